@@ -5,7 +5,7 @@
 
 use core::ops::Range;
 
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, ndarray::ArrayView2};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ndarray::ArrayView2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rt_accel::{Scalars, Vectors};
@@ -22,7 +22,7 @@ pub(crate) enum Rows<'py> {
 }
 
 impl<'py> Rows<'py> {
-    /// Takes an array of single or double precision; `what` names it in messages.
+    /// Takes an aligned array of single or double precision; `what` names it in messages.
     pub(crate) fn extract(what: &str, array: &Bound<'py, PyAny>) -> PyResult<Self> {
         let rows = if let Ok(rows) = array.extract() {
             Self::F64(rows)
@@ -31,9 +31,20 @@ impl<'py> Rows<'py> {
         } else {
             return Err(value_error(format!("{what} must be an array of floats with three columns")));
         };
+        // Before any view: references to misaligned numbers are undefined behaviour.
+        if !rows.is_aligned() {
+            return Err(value_error(format!("{what} must be aligned in memory")));
+        }
         match rows.shape() {
             [_, 3] => Ok(rows),
             [n, columns] => Err(value_error(format!("{what} must have three columns, not the shape ({n}, {columns})"))),
+        }
+    }
+
+    fn is_aligned(&self) -> bool {
+        match self {
+            Self::F32(rows) => rows.is_aligned(),
+            Self::F64(rows) => rows.is_aligned(),
         }
     }
 
@@ -156,7 +167,13 @@ impl<'py> Parameters<'py> {
         match value.extract::<f64>() {
             Ok(same) if same.is_nan() => Err(wrong()),
             Ok(same) => Ok(Self::Same(same)),
-            Err(_) => value.extract().map(Self::Each).map_err(|_| wrong()),
+            Err(_) => {
+                let each: PyReadonlyArray1<'py, f64> = value.extract().map_err(|_| wrong())?;
+                if !(each.is_c_contiguous() && each.is_aligned()) {
+                    return Err(value_error(format!("{what} must be contiguous and aligned in memory")));
+                }
+                Ok(Self::Each(each))
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Meshes and spheres.
 
-use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray as _, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use rt_accel::{DVec3, MeshError, Primitives as _, Sphere, Spheres, TriangleMesh, Vertices};
 use rt_geometry::Triangle;
@@ -32,6 +32,9 @@ impl PyMesh {
     #[new]
     fn new(vertices: &Bound<'_, PyAny>, faces: PyReadonlyArray2<'_, u32>) -> PyResult<Self> {
         let rows = Rows::extract("vertices", vertices)?;
+        if !faces.is_aligned() {
+            return Err(value_error("faces must be aligned in memory"));
+        }
         let faces = faces.as_array();
         if faces.ncols() != 3 {
             return Err(value_error(format!("faces must have three columns, not {}", faces.ncols())));
@@ -58,10 +61,12 @@ impl PyMesh {
         self.mesh.triangles().as_flattened().to_vec().into_pyarray(py)
     }
 
-    /// True if a triangle has an area after its vertices are rounded to single precision, as in files for rendering.
-    fn has_area(&self) -> bool {
+    /// True if a triangle has an area after its vertices minus the centre are rounded to single precision, as in files for
+    /// rendering.
+    fn has_area(&self, centre: [f64; 3]) -> bool {
+        let centre = DVec3::from_array(centre);
         let mut triangles = (0..self.mesh.len() as u32).filter_map(|i| self.mesh.triangle(i));
-        triangles.any(|corners| Triangle::new(corners.map(|corner| corner.as_vec3().as_dvec3())).is_ok())
+        triangles.any(|corners| Triangle::new(corners.map(|corner| (corner - centre).as_vec3().as_dvec3())).is_ok())
     }
 }
 
@@ -82,6 +87,9 @@ pub(crate) struct PySpheres(pub(crate) Spheres);
 impl PySpheres {
     #[new]
     fn new(centres: PyReadonlyArray2<'_, f64>, radii: PyReadonlyArray1<'_, f64>) -> PyResult<Self> {
+        if !(centres.is_aligned() && radii.is_aligned()) {
+            return Err(value_error("centres and radii must be aligned in memory"));
+        }
         let (centres, radii) = (centres.as_array(), radii.as_array());
         if centres.ncols() != 3 || centres.nrows() != radii.len() {
             let message =

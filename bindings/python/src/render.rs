@@ -164,7 +164,7 @@ fn stop_rule(spp: Option<u32>, time: Option<f64>, target_error: Option<f64>) -> 
         return Ok(None);
     }
     let duration = |seconds: f64| {
-        let message = format!("time must be a positive number of seconds, not {seconds}");
+        let message = format!("time must be positive and below 1.8e19 seconds, not {seconds:?}");
         Duration::try_from_secs_f64(seconds).map_err(|_| value_error(message))
     };
     let default_max =

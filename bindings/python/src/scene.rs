@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use numpy::{Element, IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
+use numpy::{
+    Element, IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _,
+};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rt_accel::{
@@ -36,10 +38,16 @@ type Placement<'py> = (u64, Option<PyReadonlyArray2<'py, f64>>);
 struct Insertion {
     geometries: Vec<(u64, Geometry<'static>)>,
     instances: Vec<(u64, Option<Transform>)>,
+    /// Argument that holds the objects, for messages: ` of insert`, or nothing for objects of a new scene.
+    argument: &'static str,
 }
 
 impl Insertion {
-    fn extract(geometries: &[(u64, Bound<'_, PyAny>)], instances: &[Placement<'_>]) -> PyResult<Self> {
+    fn extract(
+        geometries: &[(u64, Bound<'_, PyAny>)],
+        instances: &[Placement<'_>],
+        argument: &'static str,
+    ) -> PyResult<Self> {
         let geometry = |(key, geometry): &(u64, Bound<'_, PyAny>)| -> PyResult<_> {
             Ok(match geometry.cast::<PyMesh>() {
                 Ok(mesh) => (*key, mesh.get().mesh.clone().into()),
@@ -48,11 +56,12 @@ impl Insertion {
         };
         let instance = |(i, (key, matrix)): (usize, &Placement<'_>)| {
             let transform = matrix.as_ref().map(transform_of).transpose();
-            Ok((*key, transform.map_err(|error| value_error(format!("instance {i}: {error}")))?))
+            Ok((*key, transform.map_err(|error| value_error(format!("object {i}{argument}: {error}")))?))
         };
         Ok(Self {
             geometries: geometries.iter().map(geometry).collect::<PyResult<_>>()?,
             instances: instances.iter().enumerate().map(instance).collect::<PyResult<_>>()?,
+            argument,
         })
     }
 
@@ -76,7 +85,7 @@ impl Insertion {
                 None => builder.place(id),
                 Some(transform) => builder.place_at(id, transform),
             };
-            placed.map_err(|error| format!("instance {i}: {error}"))
+            placed.map_err(|error| format!("object {i}{}: {error}", self.argument))
         };
         self.instances.iter().enumerate().map(place).collect()
     }
@@ -205,7 +214,7 @@ impl PyScene {
         quality: &str,
     ) -> PyResult<Self> {
         let (mut builder, mut ids) = (SceneBuilder::new(params_of(quality)?), GeometryIds::new());
-        let insertion = Insertion::extract(&geometries, &instances)?;
+        let insertion = Insertion::extract(&geometries, &instances, "")?;
         let threads = Threads::to_build(py, insertion.largest_tree(0))?;
         let work = |_| {
             insertion.add_to(&mut builder, &mut ids)?;
@@ -230,11 +239,11 @@ impl PyScene {
     ) -> PyResult<(Self, Vec<u32>)> {
         let (mut builder, mut ids) = (self.scene.to_builder(), self.geometries.clone());
         for (instance, matrix) in transforms {
-            let refused = |error: String| value_error(format!("instance {instance}: {error}"));
+            let refused = |error: String| value_error(format!("object {instance}: {error}"));
             let transform = transform_of(&matrix).map_err(refused)?;
             builder.set_transform(instance, &transform).map_err(|error| refused(error.to_string()))?;
         }
-        let insertion = Insertion::extract(&geometries, &instances)?;
+        let insertion = Insertion::extract(&geometries, &instances, " of insert")?;
         let largest_changed = vertices.iter().map(|(_, mesh)| mesh.get().mesh.len()).max().unwrap_or(0);
         let threads = Threads::to_build(py, insertion.largest_tree(self.scene.n_instances()).max(largest_changed))?;
         let vertices: Vec<_> = vertices.iter().map(|(key, mesh)| (*key, mesh.get().mesh.vertices().clone())).collect();
@@ -433,9 +442,15 @@ impl PyScene {
 }
 
 fn transform_of(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Transform, Refused> {
+    if !matrix.is_aligned() {
+        return Err("a transform must be aligned in memory".into());
+    }
     let matrix = matrix.as_array();
     if matrix.dim() != (4, 4) {
         return Err(format!("a transform has the shape (4, 4), not {:?}", matrix.dim()));
+    }
+    if matrix.iter().all(|number| *number == 0.0) {
+        return Err("the transform is singular: all of its numbers are zero".into());
     }
     let rows = [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| matrix[[i, j]]));
     Transform::from_rows(rows).map_err(|error| error.to_string())

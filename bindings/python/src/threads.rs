@@ -5,6 +5,7 @@
 
 use std::process;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
 
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -14,10 +15,10 @@ use crate::error::value_error;
 /// Primitives below which the thread of the caller builds a tree: far below the 4096 from which rt-accel calls rayon.
 const MIN_PRIMITIVES_TO_SHARE: usize = 512;
 
-/// Pools that are kept.
-const MAX_POOLS: usize = 4;
+/// Kept pools have at most this number of threads in total, or twice the number of processors if that is more.
+const MIN_THREADS_TO_KEEP: usize = 64;
 
-/// Pools by the number of threads of a call, the last one to be used at the end, and the process that started them.
+/// Kept pools by the number of threads of a call, the last one to be used at the end, and the process that started them.
 struct Pools {
     process: u32,
     pools: Vec<(usize, Arc<ThreadPool>)>,
@@ -72,9 +73,28 @@ fn pool(_: Python<'_>, threads: usize) -> PyResult<Arc<ThreadPool>> {
         Some((_, pool)) => pool,
         None => Arc::new(ThreadPoolBuilder::new().num_threads(threads).build().map_err(value_error)?),
     };
-    if pools.len() == MAX_POOLS {
-        pools.remove(0);
+    let limit = threads_to_keep();
+    // A pool of more threads ends with its call.
+    if pool.current_num_threads() <= limit {
+        pools.push((threads, Arc::clone(&pool)));
+        drop_oldest(pools, limit);
     }
-    pools.push((threads, Arc::clone(&pool)));
     Ok(pool)
+}
+
+/// Drops the oldest pools, so that the others have at most `limit` threads in total. A pool in use ends with its call.
+fn drop_oldest(pools: &mut Vec<(usize, Arc<ThreadPool>)>, limit: usize) {
+    let mut kept = 0;
+    let is_too_many = |(_, pool): &(usize, Arc<ThreadPool>)| {
+        kept += pool.current_num_threads();
+        kept > limit
+    };
+    if let Some(last_dropped) = pools.iter().rposition(is_too_many) {
+        pools.drain(..=last_dropped);
+    }
+}
+
+fn threads_to_keep() -> usize {
+    let processors = thread::available_parallelism().map_or(1, usize::from);
+    MIN_THREADS_TO_KEEP.max(2 * processors)
 }

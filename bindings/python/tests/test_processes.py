@@ -1,8 +1,10 @@
 """Queries and renders in forked processes, and signals."""
 
 import multiprocessing
+import os
 import signal
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -50,3 +52,20 @@ def test_a_render_ends_with_the_exception_of_a_signal_handler():
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, former)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_idle_threads_are_bounded():
+    def n_threads():
+        return len(os.listdir("/proc/self/task"))
+
+    limit = max(64, 2 * os.cpu_count())
+    for threads in (20, 30, 31, 300, 301, 302, 21, 32, 33):
+        MESH.any_hit(ORIGINS, [0, 0, -1], threads=threads)
+    # Threads of dropped pools end by themselves.
+    for _ in range(100):
+        if n_threads() < 250:
+            break
+        time.sleep(0.1)
+    # Threads of Python and numpy are few.
+    assert n_threads() < limit + 100

@@ -156,7 +156,7 @@ def test_results_are_arrays_of_the_documented_types():
         (lambda m: rt.Spheres([[0, 0, 0], [1, 1, 1]], [1, -1]), "sphere 1: radius -1"),
         (lambda m: rt.Spheres([[0, 0, 0]], 1e-320), "sphere 0: radius 1e-320 must be positive"),
         (lambda m: rt.Spheres([[0, 0, 0]], [np.nan]), "sphere 0: radius NaN must be positive"),
-        (lambda m: rt.Scene([rt.Instance(m, np.diag([0, 0, 0, 1]))]), "instance 0: the transform is singular$"),
+        (lambda m: rt.Scene([rt.Instance(m, np.diag([0, 0, 0, 1]))]), "object 0: the transform is singular$"),
         (lambda m: rt.Instance(m, 1j * np.eye(4)), "a transform must be real numbers"),
         (lambda m: rt.Scene([rt.Instance(rt.Spheres([[0, 0, 0]], 1), np.diag([1, 2, 1, 1]))]), "same factor"),
     ],
@@ -217,3 +217,56 @@ def test_arrays_of_the_caller_are_not_kept():
     origins = np.zeros((2, 3))
     origins.setflags(write=False)
     assert mesh.closest(origins, [1, 0, 0]).hit.all()
+
+
+def misaligned(values):
+    """Copy of an array whose numbers lie at addresses that are no multiples of their size."""
+    values = np.asarray(values)
+    moved = np.frombuffer(b"x" + values.tobytes(), values.dtype, values.size, 1).reshape(values.shape)
+    assert not moved.flags.aligned
+    return moved
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_misaligned_arrays_are_copied(dtype):
+    vertices, faces = bumpy_sphere(12)
+    origins, directions = (array.astype(dtype) for array in random_rays(500))
+    t_max = np.linspace(0.1, 1.5, 500)
+    expected = rt.TriangleMesh(vertices.astype(dtype), faces).closest(origins, directions, t_max=t_max)
+    mesh = rt.TriangleMesh(misaligned(vertices.astype(dtype)), misaligned(faces.astype(np.uint32)))
+    rays = misaligned(origins), misaligned(directions)
+    hits = mesh.closest(*rays, t_max=misaligned(t_max))
+    np.testing.assert_array_equal(hits.t, expected.t)
+    np.testing.assert_array_equal(mesh.any_hit(*rays, t_max=misaligned(t_max)), expected.hit)
+    np.testing.assert_array_equal(mesh.nearest_point(rays[0]).distance, mesh.nearest_point(origins).distance)
+    balls = rt.Spheres(misaligned(np.eye(3)), misaligned(np.ones(3)))
+    np.testing.assert_array_equal(balls.radii, np.ones(3))
+    moved = rt.Scene([rt.Instance(mesh, misaligned(np.eye(4)))])
+    np.testing.assert_array_equal(moved.closest(origins, directions, t_max=t_max).t, expected.t)
+
+
+def test_the_extension_module_refuses_misaligned_arrays():
+    vertices, faces = np.eye(3), np.array([[0, 1, 2]], dtype=np.uint32)
+    scene = rt.TriangleMesh(vertices, faces)._core()
+    rays = np.zeros((3, 3)), np.ones((3, 3)), np.zeros(3), np.ones(3)
+    for i, name in enumerate(["origins", "directions", "t_min", "t_max"]):
+        with pytest.raises(ValueError, match=f"{name} must be .*aligned"):
+            scene.any_hit(*[misaligned(array) if k == i else array for k, array in enumerate(rays)], 1)
+    with pytest.raises(ValueError, match="vertices must be aligned"):
+        rt._rt.Mesh(misaligned(vertices), faces)
+    with pytest.raises(ValueError, match="faces must be aligned"):
+        rt._rt.Mesh(vertices, misaligned(faces))
+    with pytest.raises(ValueError, match="aligned"):
+        rt._rt.SphereSet(misaligned(vertices), np.ones(3))
+    with pytest.raises(ValueError, match="aligned"):
+        rt._rt.Scene([(0, rt._rt.Mesh(vertices, faces))], [(0, misaligned(np.eye(4)))], "fast")
+
+
+def test_faces_of_objects_are_integers():
+    mesh = rt.TriangleMesh(np.eye(3), np.array([[0, 1, np.int64(2)]], dtype=object))
+    np.testing.assert_array_equal(mesh.faces, [[0, 1, 2]])
+    for faces in ([[0, 1, 2**70]], [[0, 1, 2.5]]):
+        with pytest.raises(ValueError, match="^faces must be integers from 0 to 4294967295, not object"):
+            rt.TriangleMesh(np.eye(3), np.array(faces, dtype=object))
+    with pytest.raises(ValueError, match=r"^row 0 of faces is \[0, 1, -1\], which are not indices"):
+        rt.TriangleMesh(np.eye(3), np.array([[0, 1, -1]], dtype=object))

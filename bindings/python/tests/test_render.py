@@ -1,8 +1,10 @@
 """Images of scene files and geometry."""
 
+import re
+
 import numpy as np
 import pytest
-from shapes import box
+from shapes import box, bumpy_sphere
 
 import rt
 
@@ -75,6 +77,7 @@ def test_errors_say_what_and_where(scene, tmp_path):
         ({"time": 0}, "time must be positive and finite, not 0"),
         ({"time": -1.0}, "time must be positive and finite, not -1.0"),
         ({"time": np.inf}, "time must be positive and finite, not inf"),
+        ({"time": 1e300}, "time must be positive and below 1.8e19 seconds, not 1e300$"),
         ({"target_error": 0}, "target_error must be positive and finite, not 0"),
         ({"target_error": np.nan}, "target_error must be a number, not nan"),
         ({"fov": np.nan}, "fov must be a number, not nan"),
@@ -92,8 +95,34 @@ def test_options_out_of_range_are_named(options, message):
 
 
 def test_errors_of_geometry_do_not_name_temporary_files():
-    with pytest.raises(ValueError, match="^film.size"):
+    with pytest.raises(ValueError, match="^size: "):
         rt.render(rt.Spheres([[0, 0, 0]], 1.0), size=(1 << 20, 1 << 20))
+
+
+def test_errors_of_geometry_name_arguments_and_quote_no_generated_text():
+    ball = rt.Spheres([[0, 0, 0]], 1.0)
+    far = np.diag([1e70, 1e70, 1e70, 1.0])
+    for scene, options, message in [
+        (ball, {"look_from": (0, 0, 1e70)}, "look_from: 1e70 is not a number of magnitude at most 1e60"),
+        (ball, {"look_from": (0, 0, 5), "look_at": (0, 0, 1e70)}, "look_at: 1e70 is not a number of magnitude at most 1e60"),
+        (ball, {"look_from": (0, 0, 5), "up": (0, 1e-200, 0)}, "up .* is zero or parallel to the view: choose another direction"),
+        (rt.Scene([rt.Instance(ball, far)]), {}, "scene: .* is a coordinate of the camera .* closer to the origin"),
+    ]:
+        with pytest.raises(ValueError) as raised:
+            rt.render(scene, spp=1, size=(8, 8), **options)
+        assert re.fullmatch(message, str(raised.value))
+
+
+def test_seeds_of_a_table_are_limited_by_their_number(scene):
+    with pytest.raises(ValueError, match="^seed 18446744073709551615 is too large for 2 seeds"):
+        rt.converge(scene, spp=(1,), seeds=2, seed=2**64 - 1, size=(8, 8))
+    assert rt.converge(scene, spp=(1,), reference_spp=1, seeds=2, seed=2**64 - 3, size=(8, 8))
+
+
+def test_a_target_error_ends_at_4096_samples_by_default(scene):
+    image = rt.render(scene, size=(4, 4), target_error=1e-9)
+    assert image.stopped == "samples" and image.samples_per_pixel == 4096
+    assert rt.render(scene, size=(1, 1), time=1).samples_per_pixel > 4096
 
 
 def test_tables_hold_the_samples_that_were_rendered(scene):
@@ -150,6 +179,32 @@ def test_meshes_without_area_are_left_out():
     mesh = rt.TriangleMesh(*box())
     expected = rt.render(mesh, **options)
     np.testing.assert_array_equal(rt.render(rt.Scene([mesh, line, thin]), **options), expected)
+
+
+@pytest.mark.parametrize("distance", [1e4, 1e6, 1e8])
+def test_vertices_far_from_the_origin_keep_their_digits(distance):
+    vertices, faces = bumpy_sphere(12)
+    mesh = rt.TriangleMesh(vertices, faces)
+    centre, moved = np.full(3, distance), np.eye(4)
+    moved[:3, 3] = centre
+    options = {"look_from": centre + [0, 0, 4], "look_at": centre, "size": (32, 32), "spp": 4}
+    expected = rt.render(rt.Scene([rt.Instance(mesh, moved)]), **options)
+    # The last vertex is part of no triangle.
+    far = rt.TriangleMesh(np.vstack([vertices + centre, [[1e50, 0, 0]]]), faces)
+    np.testing.assert_allclose(rt.render(far, **options), expected, rtol=1e-4)
+    twice = rt.Scene([rt.Instance(far, np.diag([2.0, 2.0, 2.0, 1.0]))])
+    options |= {"look_from": 2 * options["look_from"], "look_at": 2 * centre}
+    moved = moved @ moved @ np.diag([2.0, 2.0, 2.0, 1.0])
+    expected = rt.render(rt.Scene([rt.Instance(mesh, moved)]), **options)
+    np.testing.assert_allclose(rt.render(twice, **options), expected, rtol=1e-4)
+
+
+def test_vertices_beyond_single_precision_are_refused():
+    ball, large = rt.Spheres([[0, 0, 0]], 1.0), rt.TriangleMesh(np.eye(3) * 1e50, [[0, 1, 2]])
+    with pytest.raises(ValueError, match=r"^scene: vertex 0 is \[1e\+50, 0.0, 0.0\], too large to render"):
+        rt.render(large, spp=1, size=(8, 8))
+    with pytest.raises(ValueError, match=r"^scene: vertex 0 of object 1 is \[1e\+50, 0.0, 0.0\]"):
+        rt.render(rt.Scene([ball, large]), spp=1, size=(8, 8))
 
 
 def test_a_default_camera_sees_the_geometry():

@@ -83,7 +83,7 @@ def test_removed_geometries_leave_no_traces():
         scene.update(remove=[number])
     scene.update(insert=[rt.Spheres([[0, 0, 0]], 1.0)])
     # Its geometry takes the place of the removed ones.
-    with pytest.raises(ValueError, match="instance 1: geometry 1: the transform is not uniform"):
+    with pytest.raises(ValueError, match="object 1: geometry 1: the transform is not uniform"):
         scene.update(transforms={1: np.diag([1.0, 2.0, 1.0, 1.0])})
 
 
@@ -104,14 +104,14 @@ def test_refused_changes_leave_the_scene_as_it_is():
         scene.update(vertices={0: np.where(np.arange(8)[:, None] == 2, np.nan, np.zeros((8, 3)))})
     with pytest.raises(ValueError, match=r"object 0: a transform has the shape \(4, 4\), not \(3, 3\)"):
         scene.update(transforms={0: np.eye(3)})
-    with pytest.raises(ValueError, match="instance 1: geometry 1: the transform is not uniform"):
+    with pytest.raises(ValueError, match="object 1: geometry 1: the transform is not uniform"):
         scene.update(transforms={1: np.diag([1.0, 2.0, 1.0, 1.0])})
     with pytest.raises(ValueError, match=r"vertices must have the shape \(n, 3\), not \(1, 8, 3\)"):
         scene.update(vertices={0: np.zeros((1, 8, 3))})
     for wrong in ({"remove": [0.9]}, {"remove": ["1"]}, {"transforms": {0.0: np.eye(4)}}):
         with pytest.raises(ValueError, match="numbers of objects are integers, not"):
             scene.update(**wrong)
-    with pytest.raises(TypeError, match="object 0 is a str"):
+    with pytest.raises(TypeError, match="object 0 of insert is a str"):
         scene.update(insert=["sphere"])
     assert scene.numbers == (0, 1)
     np.testing.assert_array_equal(scene.closest(*rays).t, before)
@@ -171,3 +171,20 @@ def test_queries_during_updates_see_a_whole_scene():
     stop.set()
     thread.join()
     assert seen and seen <= {(5.0, 5.0), (4.0, 4.0)}
+
+
+def test_transforms_without_an_inverse_name_the_object():
+    sphere = rt.Spheres([[0, 0, 0]], 1.0)
+    scene = rt.Scene([sphere, sphere])
+    for matrix, rule in [
+        (np.zeros((4, 4)), "the transform is singular: all of its numbers are zero"),
+        (np.diag([1.0, 1.0, 0.0, 1.0]), "the transform is singular"),
+        (np.diag([1.0, 1.0, 1.0, 2.0]), r"the last row of the matrix must be \(0, 0, 0, 1\)"),
+        (np.diag([1.0, 2.0, 1.0, 1.0]), "geometry 0: the transform is not uniform"),
+    ]:
+        with pytest.raises(ValueError, match=f"^object 1: {rule}"):
+            rt.Scene([sphere, rt.Instance(sphere, matrix)])
+        with pytest.raises(ValueError, match=f"^object 1: {rule}"):
+            scene.update(transforms={1: matrix})
+        with pytest.raises(ValueError, match=f"^object 0 of insert: {rule}"):
+            scene.update(insert=[rt.Instance(sphere, matrix)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from numbers import Real
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def numbers(what, values, expected="must be numbers"):
     try:
         array = np.asarray(values)
         if array.dtype.kind == "O" and all(isinstance(value, Real) for value in array.flat):
-            array = array.astype(np.float64)
+            array = _of_objects(array)
     except (OverflowError, ValueError) as error:
         raise ValueError(f"{what} {expected}: {error}") from error
     if array.dtype.kind == "c":
@@ -25,8 +25,23 @@ def numbers(what, values, expected="must be numbers"):
     return array
 
 
+def _of_objects(array):
+    """Real numbers of an array of objects: integers if 64 bits hold all of them."""
+    if array.size and all(isinstance(value, Integral) for value in array.flat):
+        try:
+            return array.astype(np.int64)
+        except OverflowError:
+            pass
+    return array.astype(np.float64)
+
+
+def aligned(array):
+    """The array, or a copy if its numbers lie at addresses that are no multiples of their size."""
+    return array if array.flags.aligned else array.copy()
+
+
 def vectors(what, values):
-    """Array of shape (..., 3) in single or double precision, without a copy if it has one of them."""
+    """Array of shape (..., 3) in single or double precision, without a copy if it has one of them and is aligned."""
     array = numbers(what, values)
     if array.dtype != np.float32 and array.dtype != np.float64:
         array = array.astype(np.float64)
@@ -36,7 +51,7 @@ def vectors(what, values):
         array = array.reshape(0, 3)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"{what} must have the shape (..., 3), not {array.shape}")
-    return array
+    return aligned(array)
 
 
 def rays(origins, directions):
@@ -60,12 +75,13 @@ def _rows(array, shape):
 
 
 def parameters(what, values, shape):
-    """One number for all rays, or a contiguous array of one for each."""
+    """One number for all rays, or a contiguous, aligned array of one for each."""
     array = numbers(what, values, "must be a number, or an array of one for each")
     if array.ndim == 0:
         return number(what, array)
     try:
-        return np.ascontiguousarray(np.broadcast_to(array.astype(np.float64, copy=False), shape).reshape(-1))
+        each = np.broadcast_to(array.astype(np.float64, copy=False), shape).reshape(-1)
+        return np.require(each, requirements=["C", "A"])
     except ValueError as error:
         raise ValueError(f"{what} of shape {array.shape} does not fit the shape {shape}: one number each is needed") from error
 
@@ -106,12 +122,15 @@ def faces(values):
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"faces must have the shape (n, 3), not {array.shape}")
     if not np.issubdtype(array.dtype, np.integer):
-        raise ValueError(f"faces must be integers, not {array.dtype}")
+        # Objects: numbers that are no integers, or that 64 bits do not hold.
+        of_values = np.asarray(values).dtype
+        rule = "integers from 0 to 4294967295" if of_values.kind == "O" else "integers"
+        raise ValueError(f"faces must be {rule}, not {of_values}")
     if array.dtype != np.uint32:
         bad = np.flatnonzero(((array < 0) | (array > 0xFFFF_FFFF)).any(axis=1))
         if bad.size:
             raise ValueError(f"row {bad[0]} of faces is {array[bad[0]].tolist()}, which are not indices of vertices")
-    return array.astype(np.uint32, copy=False)
+    return aligned(array.astype(np.uint32, copy=False))
 
 
 # That of `rt-cli --threads`. Thousands of threads stall a machine.

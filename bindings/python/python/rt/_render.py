@@ -91,11 +91,12 @@ def render(
     ----------
     scene : str or path, Scene, TriangleMesh or Spheres
         A file: a scene in ``.ron`` or ``.json``, or a model in glTF, OBJ, PLY, STL, NFF or pbrt format. Or geometry, which
-        is gray, lit by studio lights, and has its vertices rounded to single precision. Triangles without area are left
-        out.
+        is gray and lit by studio lights. Its vertices are rounded to single precision, those of meshes far from the
+        origin relative to a centre. Triangles without area are left out.
     spp : int, optional
-        Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number. Numbers that
-        do not suit the sample pattern are rounded up, as 3 to 4: ``samples_per_pixel`` of the image is the actual one.
+        Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number: by default
+        4096 with `target_error`, and 1,048,576 with `time` alone. Numbers that do not suit the sample pattern are rounded
+        up, as 3 to 4: ``samples_per_pixel`` of the image is the actual one.
     size : tuple of int, optional
         Width and height.
     look_from, look_at : array_like, optional
@@ -112,9 +113,10 @@ def render(
     depth : int, optional
         Largest number of bounces.
     time : float, optional
-        Seconds after which the render ends, positive.
+        Seconds after which the render ends, positive. It ends earlier at the largest number of samples per pixel.
     target_error : float, optional
-        Estimated relative error at which the render ends, positive, such as 0.02.
+        Estimated relative error at which the render ends, positive, such as 0.02. It ends earlier at the largest number
+        of samples per pixel: ``stopped`` of the image is ``'samples'`` then.
     threads : int, optional
         Number of threads, by default all processors.
 
@@ -147,9 +149,7 @@ def render(
             try:
                 rendering = _rt.render(os.fspath(path), **options)
             except ValueError as error:
-                # The caller does not know the temporary files.
-                message = re.sub(rf"{re.escape(folder)}\S*?: ", "", str(error))
-                raise ValueError(message) from None
+                raise ValueError(_of_arguments(str(error), folder)) from None
     elif camera:
         raise ValueError("look_from, look_at, up and fov are for geometry; a scene file has cameras of its own")
     else:
@@ -160,6 +160,15 @@ def render(
     image.samples_per_pixel = rendering.samples_per_pixel[1]
     image.stopped = rendering.stopped
     return image
+
+
+def _of_arguments(message, folder):
+    """Message about the files in a temporary folder, in terms of the arguments of `render`."""
+    message = re.sub(rf"{re.escape(folder)}\S*?: ", "", message)
+    # Excerpts of the scene file: a line of text, and a line that marks the place.
+    message = re.sub(r"\n *\d+ \|.*\n *\|.*", "", message)
+    message = re.sub(r"^(camera|film|settings)(\.|: )", "", message)
+    return re.sub(r"^(nodes|groups)[^:]*: ", "scene: ", message)
 
 
 def _optional(check, what, value, *limits):
@@ -267,7 +276,11 @@ def converge(
     if not spp:
         raise ValueError("spp must hold a number of samples")
     seeds = _arrays.integer("seeds", seeds, 1, most)
-    first_seed = _arrays.integer("seed", options.pop("seed", None) or 0, 0, 2**64 - 1 - seeds)
+    first_seed = options.pop("seed", None)
+    first_seed = 0 if first_seed is None else _arrays.integer("seed", first_seed, 0, 2**64 - 1)
+    if first_seed + seeds >= 2**64:
+        message = f"seed {first_seed} is too large for {seeds} seeds: the reference has the seed {first_seed + seeds}"
+        raise ValueError(f"{message}, and the largest one is {2**64 - 1}")
     reference_spp = min(16 * max(spp), most) if reference_spp is None else reference_spp
     # A seed of its own: a reference from the same samples would look closer than it is.
     reference = np.asarray(render(scene, spp=reference_spp, seed=first_seed + seeds, **options), dtype=np.float64)

@@ -446,16 +446,19 @@ class Scene(_Queries):
         self._geometries: dict[int, tuple[int, _Geometry]] = {}
         self._n_geometries = 0
         self._objects: dict[int, TriangleMesh | Spheres | Instance] = dict(enumerate(objects))
-        self._scene = _rt.Scene(*self._added(self._objects.values()), quality)
+        self._scene = _rt.Scene(*self._added(self._objects.values(), ""), quality)
         self._quality = quality
 
-    def _added(self, objects):
-        """New geometries with their keys, and the key of the geometry and the transform of each object."""
+    def _added(self, objects, argument):
+        """New geometries with their keys, and the key of the geometry and the transform of each object.
+
+        `argument` names the list of objects in messages.
+        """
         geometries, instances = [], []
         for i, item in enumerate(objects):
             geometry, transform = (item.geometry, item.transform) if isinstance(item, Instance) else (item, None)
             if not isinstance(geometry, _Geometry):
-                raise TypeError(f"object {i} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
+                raise TypeError(f"object {i}{argument} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
             if id(geometry) not in self._geometries:
                 self._geometries[id(geometry)] = (self._n_geometries, geometry)
                 geometries.append((self._n_geometries, geometry._geometry))
@@ -542,7 +545,7 @@ class Scene(_Queries):
             if changed._objects.pop(number, None) is None:
                 raise ValueError(f"object {number} is removed twice")
         unused = changed._drop_unused()
-        geometries, instances = changed._added(insert)
+        geometries, instances = changed._added(insert, " of insert")
         scene, numbers = self._scene.updated(
             new_meshes, new_transforms, remove, unused, geometries, instances
         )

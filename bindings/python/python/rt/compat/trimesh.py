@@ -29,7 +29,7 @@ _NO_LIMIT = 2**63 - 1
 def _floats(values):
     """The values as an array of doubles. Single precision stays as it is: it is converted without rounding later."""
     array = np.asarray(values)
-    return array if array.dtype == np.float32 else array.astype(np.float64, copy=False)
+    return _arrays.aligned(array if array.dtype == np.float32 else array.astype(np.float64, copy=False))
 
 
 class RayMeshIntersector:
