@@ -10,7 +10,7 @@ use crate::{
         shaded_surface::{ShadedSurface, ShadingNormals},
     },
 };
-use rt_math::{Rgb, Vector3};
+use rt_math::Vector3;
 
 /// Surfaces that the rays of some lanes have hit.
 pub(super) struct HitSurfaces<'a, L: LaneSet> {
@@ -39,8 +39,8 @@ pub(super) struct HitGroup<'a, L: LaneSet> {
     pub(super) transmits: u8,
     /// Index of refraction before the surface divided by that behind it; 1 where no light is transmitted.
     pub(super) eta: L::F,
-    /// Absorption of the medium before the surface of each lane, per world unit; `None` if there is none anywhere.
-    pub(super) absorption: Option<[Rgb; LANES]>,
+    /// Lanes with a medium before the surface that absorbs.
+    pub(super) absorbed: u8,
 }
 
 impl<L: LaneSet> HitSurfaces<'_, L> {

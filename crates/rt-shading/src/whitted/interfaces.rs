@@ -14,7 +14,7 @@ use crate::{
     lanes::each_lane,
     medium::absorb,
 };
-use rt_math::{Rgb, Vector3};
+use rt_math::Vector3;
 
 impl<E: Element> SpawnedRays<E> {
     /// Finds the media on both sides of hits, and applies absorption. At invisible interfaces, paths go on behind the surface.
@@ -69,7 +69,8 @@ impl<E: Element> SpawnedRays<E> {
                 let mut absorbed = paths.weight(at);
                 if absorb(&mut absorbed, around.absorption, way) {
                     self.counts.absorption += 1;
-                    group.absorption.get_or_insert([Rgb::BLACK; 8])[lane] = around.absorption;
+                    self.absorption[lane] = around.absorption;
+                    group.absorbed |= 1 << lane;
                     if !core::mem::replace(&mut is_absorbed, true) {
                         lanes.store(group.weight.x, &mut weight[0]);
                         lanes.store(group.weight.y, &mut weight[1]);

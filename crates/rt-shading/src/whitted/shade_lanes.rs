@@ -172,7 +172,7 @@ impl<E: Element> SpawnedRays<E> {
             if mask != 0 {
                 let (weight, eta) = (lanes.load_vector(&paths.weight, at), lanes.splat(1.0));
                 let phong = model.square(square);
-                let group = HitGroup { phong, surfaces, at, mask, weight, transmits: 0, eta, absorption: None };
+                let group = HitGroup { phong, surfaces, at, mask, weight, transmits: 0, eta, absorbed: 0 };
                 self.shade_group((lanes, inputs), group, paths, seen);
             }
         }
@@ -295,8 +295,8 @@ impl<E: Element> SpawnedRays<E> {
                     continue;
                 }
                 let mut radiance = radiance;
-                if let Some(absorption) = &group.absorption {
-                    radiance = attenuated(lanes, radiance, absorption, incident.distance);
+                if group.absorbed != 0 {
+                    radiance = attenuated(lanes, radiance, (&self.absorption, group.absorbed), incident.distance);
                 }
                 self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
                 let (direction, end) = shadow_rays(lanes, light, shadow_origin);
@@ -307,12 +307,13 @@ impl<E: Element> SpawnedRays<E> {
     }
 }
 
-/// Light of a distance, attenuated by the medium before each lane. That of a light at infinity is not, as under path tracing.
+/// Light of a distance, attenuated in some lanes by the medium before the surface. That of a light at infinity is not, as under path
+/// tracing.
 #[inline(never)]
 fn attenuated<L: LaneSet>(
     lanes: L,
     radiance: Vector3<L::F>,
-    absorption: &[Rgb; LANES],
+    (absorption, mask): (&[Rgb; LANES], u8),
     distance: L::F,
 ) -> Vector3<L::F> {
     lanes.vectorize(
@@ -321,8 +322,8 @@ fn attenuated<L: LaneSet>(
             let mut distances = [0.0; LANES];
             lanes.store_f64(lanes.widen(distance), &mut distances);
             let mut transmittances = [[L::Element::rounded(1.0); LANES]; 3];
-            for (lane, (&absorption, distance)) in absorption.iter().zip(distances).enumerate() {
-                let of_lane = transmittance_to_light(absorption, distance).to_array();
+            for lane in each_lane(mask) {
+                let of_lane = transmittance_to_light(absorption[lane & 7], distances[lane & 7]).to_array();
                 for (to, component) in transmittances.iter_mut().zip(of_lane) {
                     to[lane] = L::Element::rounded(component);
                 }

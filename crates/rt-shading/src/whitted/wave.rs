@@ -8,7 +8,7 @@ use crate::{
     wavefront::{gathered_shapes::GatheredShapes, streams::DeltaStreams},
 };
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
-use rt_math::Interval;
+use rt_math::{Interval, Rgb};
 
 /// Camera rays, the media around the camera, and the radiance of the rays.
 pub(super) struct TreeBatch<'a> {
@@ -42,6 +42,8 @@ pub(super) struct SpawnedRays<E: Element> {
     pub(super) ended: Vec<u32>,
     /// Rays whose hits are shaded in lanes.
     pub(super) in_lanes: RaySet,
+    /// Absorption of the media before the hits that are shaded together, per world unit, where they absorb.
+    pub(super) absorption: [Rgb; 8],
     /// Triangles of the hits that are shaded together.
     pub(super) gathered: GatheredShapes,
     pub(super) counts: ShadingCounts,
