@@ -86,18 +86,32 @@ pub struct PointHit {
     pub primitive: u32,
 }
 
+/// Largest number whose rounded root is no more than `radius`. The root of a squared distance is reported as the distance.
+fn largest_square(radius: f64) -> f64 {
+    // The root of the rounded square is the radius, unless digits underflow. An infinite square is that of all large distances.
+    let mut square = radius * radius;
+    while square.is_finite() && square.sqrt() > radius {
+        square = square.next_down();
+    }
+    while square.is_finite() && square.next_up().sqrt() <= radius {
+        square = square.next_up();
+    }
+    square
+}
+
 /// The primitive nearest to a point.
 pub(crate) struct Nearest<'p, P> {
     primitives: &'p P,
     point: DVec3,
-    /// Square of the radius, later of the smallest distance. Inclusive: an equally near primitive must still be found.
+    /// Largest squared distance within the radius, later the smallest found. Inclusive: an equally near primitive must still be
+    /// found.
     limit: f64,
     found: Option<(u32, DVec3)>,
 }
 
 impl<'p, P: ClosestPoint> Nearest<'p, P> {
     pub(crate) fn new(primitives: &'p P, point: DVec3, radius: f64) -> Self {
-        let limit = if radius >= 0.0 { radius * radius } else { f64::NAN };
+        let limit = if radius >= 0.0 { largest_square(radius) } else { f64::NAN };
         Self { primitives, point, limit, found: None }
     }
 

@@ -6,13 +6,14 @@ use rt_math::float::{power_of_two_scale, two_product, two_sum};
 /// Most terms of a volume: six products of a number and two sums of two numbers, each the sum of sixteen.
 const CAPACITY: usize = 96;
 
-/// Relative error bound of [`DoubleDouble`] sums, per sum of magnitudes. Some 2⁻¹⁰² is enough for ten roundings of 2⁻¹⁰⁵.
-const DOUBLE_DOUBLE_ERROR: f64 = 1.0 / (1u128 << 98) as f64;
+/// Minimum of [`DoubleDouble`] sums, per sum of magnitudes. Their error is less than 2⁻¹⁰² for ten roundings of 2⁻¹⁰⁵, so that sums of
+/// at least this are accurate to 2⁻²⁴.
+const MIN_DOUBLE_DOUBLE: f64 = 1.0 / (1u128 << 78) as f64;
 
 /// Volumes `d·((p − o) × (q − o))` that the direction `d` of a ray from `o` spans with the edges `(p, q)`. They are positive where the edge
 /// turns counterclockwise around the direction.
 ///
-/// Each has the exact sign, and is 0 only when it is exactly 0. Its value is rounded, and all have a common positive factor. Shewchuk,
+/// Each has the exact sign, and is 0 only when it is exactly 0. Its relative error is less than 2⁻²³, and all have a common positive factor. Shewchuk,
 /// "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997. Exact unless the coordinates of the points
 /// differ by more than a factor of 10⁹⁰, or those of the direction do.
 pub(crate) fn edge_volumes<const N: usize>(origin: DVec3, direction: DVec3, edges: [[DVec3; 2]; N]) -> [f64; N] {
@@ -26,7 +27,7 @@ pub(crate) fn edge_volumes<const N: usize>(origin: DVec3, direction: DVec3, edge
     })
 }
 
-/// Volume `d·(a × b)` in twice the precision; `None` if its sign is not certain.
+/// Volume `d·(a × b)` in twice the precision; `None` if its relative error may be more than 2⁻²⁴.
 fn double_double_volume(d: DVec3, a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> Option<f64> {
     let (mut volume, mut magnitude) = (DoubleDouble::default(), 0.0);
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
@@ -34,7 +35,7 @@ fn double_double_volume(d: DVec3, a: [DoubleDouble; 3], b: [DoubleDouble; 3]) ->
         volume = volume.plus(first.minus(second).times(DoubleDouble { high: d[i], low: 0.0 }));
         magnitude += d[i].abs() * (first.high.abs() + second.high.abs());
     }
-    (volume.high.abs() > DOUBLE_DOUBLE_ERROR * magnitude).then_some(volume.high)
+    (volume.high.abs() > MIN_DOUBLE_DOUBLE * magnitude).then_some(volume.high)
 }
 
 /// Volume `d·(a × b)`, with the exact sign.
@@ -86,6 +87,28 @@ pub(crate) fn point_area(origin: [f64; 2], direction: [f64; 2], point: [f64; 2])
     let factor = |[x, y]: [f64; 2]| power_of_two_scale(DVec3::new(x, y, 0.0));
     let (of_points, of_direction) = (factor([0, 1].map(|i| origin[i].abs().max(point[i].abs()))), factor(direction));
     let (o, p, d) = (origin.map(|x| x * of_points), point.map(|x| x * of_points), direction.map(|x| x * of_direction));
+    scaled_area(o, d, p)
+}
+
+/// Weights of the ends of an edge in the point where a ray passes exactly through it, without rounding up to a common factor. They depend on
+/// edge and ray only.
+pub(crate) fn edge_weights(origin: DVec3, direction: DVec3, [from, to]: [DVec3; 2]) -> [f64; 2] {
+    let scale = power_of_two_scale(origin.abs().max(from.abs()).max(to.abs()));
+    let (o, d) = (origin * scale, direction * power_of_two_scale(direction));
+    let mut weights = [0.0; 2];
+    for (x, y) in [(1, 2), (2, 0), (0, 1)] {
+        // The distances of the ends from the ray are to each other like these areas, along any axis.
+        let areas = [to, from].map(|end| end * scale).map(|p| scaled_area([o[x], o[y]], [d[x], d[y]], [p[x], p[y]]));
+        let areas = areas.map(f64::abs);
+        if areas[0] + areas[1] > weights[0] + weights[1] {
+            weights = areas;
+        }
+    }
+    weights
+}
+
+/// Area `(p − o) × d` of numbers whose products do not overflow, with the exact sign.
+fn scaled_area(o: [f64; 2], d: [f64; 2], p: [f64; 2]) -> f64 {
     let mut area = Expansion::default();
     for (a, b) in [(p[0], d[1]), (-p[1], d[0]), (-o[0], d[1]), (o[1], d[0])] {
         area.add_product(a, b, 1.0);

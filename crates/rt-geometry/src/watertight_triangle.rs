@@ -2,7 +2,7 @@
 
 use crate::{
     ShapeHit,
-    exact_edges::{edge_volumes, point_area},
+    exact_edges::{edge_volumes, edge_weights, point_area},
 };
 use robust::{Coord3D, orient3d};
 use rt_math::DVec3;
@@ -15,7 +15,8 @@ use rt_math::{Interval, Ray};
 /// function of that vertex and the ray alone. Where rounding could change the side on which the ray passes an edge, it is
 /// computed exactly, from the numbers of ray and vertices. So no ray passes through an edge or a vertex of a closed mesh. A ray
 /// exactly through an edge hits both of its triangles, at the same `t`. The side of a triangle on which a ray starts is exact as well.
-/// So a ray that starts in its plane hits it at 0.
+/// So a ray that starts in its plane hits it at 0. Where rounding could change `t` by more than some 2⁻¹⁷ of the distances of the
+/// vertices, as of grazing rays and needles, all areas are computed exactly.
 ///
 /// # When the sides of edges are certain
 ///
@@ -24,6 +25,14 @@ use rt_math::{Interval, Ray};
 /// shear, its product and the result. So a coordinate across the ray is off by at most `e = u(2M + 5Z)`. An area is a
 /// difference of two products of such coordinates: it is off by at most `4M·e + 2e²`, and by `4u·M²` for its own roundings.
 /// With `W = M + Z`, that is less than `32u·W(M + 4u·W)` ([`edge_error`](Self::edge_error)).
+///
+/// # When the side of the plane is certain
+///
+/// Let `E` be that error, `D` the sum of the areas, and `S` the sum of the distances of the vertices along the ray, as parameters. `t` is
+/// the mean of these distances weighted by the areas. So areas of certain signs that are off by `E` can change the sign of `t` only up to
+/// `|t| = S·E/|D|`. Roundings of the distances and of the mean add less than `8u·S`. With `|D|` greater than
+/// [2¹⁷](Self::MIN_DETERMINANT)`·E` both are less than [2⁻¹⁶](Self::ORIGIN_SIDE_BOUND)`·S`. Otherwise the areas are computed exactly,
+/// with relative errors of less than 2⁻²³.
 #[derive(Clone, Copy, Debug)]
 pub struct WatertightRay {
     origin: DVec3,
@@ -42,6 +51,9 @@ impl WatertightRay {
     /// Bound on `|t|` over the sum of the distances of the vertices along the ray. Where `t` is smaller, rounding could place the
     /// triangle on the wrong side of the origin, so that its sign is computed exactly.
     pub const ORIGIN_SIDE_BOUND: f64 = 1.0 / (1 << 16) as f64;
+
+    /// Minimum sum of the areas, in [`edge_error`](Self::edge_error)s. With less, the areas are computed exactly.
+    pub const MIN_DETERMINANT: f64 = (1 << 17) as f64;
 
     /// Factors of [`edge_error`](Self::edge_error), and the minimum of an area with a certain sign: products with a depth do not
     /// underflow.
@@ -123,15 +135,28 @@ impl WatertightRay {
             return None;
         }
         let mut hit = ray_space.hit();
-        if ray_space.origin_side_uncertain(hit.t) {
-            hit.t = self.exact_origin_side(vertices, hit.t, ray_space.determinant);
+        if ray_space.has_uncertain_weights() | ray_space.origin_side_uncertain(hit.t) {
+            hit = self.exact_hit(vertices, ray_space);
         }
         (span.contains(hit.t) & hit.t.is_finite()).then_some(hit)
     }
 
-    /// Parameter of a plane next to the origin of the ray, on the correct side: 0 if the ray starts in the plane.
+    /// Hit with accurate weights, and `t` on the correct side of the origin.
     #[cold]
     #[inline(never)]
+    fn exact_hit(&self, vertices: [DVec3; 3], mut triangle: RaySpaceTriangle) -> ShapeHit {
+        if triangle.has_uncertain_weights() {
+            let [u, v, w] = self.exact_areas(vertices);
+            (triangle.areas, triangle.determinant) = ([u, v, w], u + v + w);
+        }
+        let mut hit = triangle.hit();
+        if triangle.origin_side_uncertain(hit.t) {
+            hit.t = self.exact_origin_side(vertices, hit.t, triangle.determinant);
+        }
+        hit
+    }
+
+    /// Parameter of a plane next to the origin of the ray, on the correct side: 0 if the ray starts in the plane.
     fn exact_origin_side(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
         let coordinates = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
         let (a, b, c) = (coordinates(vertices[0]), coordinates(vertices[1]), coordinates(vertices[2]));
@@ -158,17 +183,19 @@ impl WatertightRay {
         let size = a.abs().max(b.abs()).max(c.abs());
         let error = Self::edge_error(size.x.max(size.y), size.z);
         let is_certain = (u.abs() > error) & (v.abs() > error) & (w.abs() > error) & (spare == 0.0);
-        let areas = if is_certain { [u, v, w] } else { self.exact_areas(vertices, [a, b, c]) };
+        let min_determinant = if is_certain { error * Self::MIN_DETERMINANT } else { 0.0 };
+        let areas = if is_certain { [u, v, w] } else { self.exact_areas(vertices) };
         let [u, v, w] = areas;
         let depths = [a.z * self.scale_z, b.z * self.scale_z, c.z * self.scale_z];
-        RaySpaceTriangle { areas, determinant: u + v + w, depths }
+        RaySpaceTriangle { areas, determinant: u + v + w, min_determinant, depths }
     }
 
     /// Areas with exact signs, times a common factor. The ray passes exactly through edges of area 0. The other areas are then those of
     /// the edge or vertex alone, so that all of its triangles are hit at the same `t`.
     #[cold]
     #[inline(never)]
-    fn exact_areas(&self, [a, b, c]: [DVec3; 3], sheared: [DVec3; 3]) -> [f64; 3] {
+    fn exact_areas(&self, vertices: [DVec3; 3]) -> [f64; 3] {
+        let [a, b, c] = vertices;
         let volumes = edge_volumes(self.origin, self.direction, [[c, b], [a, c], [b, a]]);
         let mut areas = volumes.map(|volume| volume * self.scale_z.signum());
         let is_inside = areas.iter().all(|area| *area >= 0.0) | areas.iter().all(|area| *area <= 0.0);
@@ -178,13 +205,9 @@ impl WatertightRay {
         } else if is_inside && n_zero == 1 {
             let zero = areas.iter().position(|area| *area == 0.0).unwrap_or(0);
             let (one, other) = ((zero + 1) % 3, (zero + 2) % 3);
-            let (from, to) = (sheared[one].abs(), sheared[other].abs());
-            let weights = if from.x + to.x > from.y + to.y { [to.x, from.x] } else { [to.y, from.y] };
-            // Rounding may put a vertex on the ray.
-            if weights[0] + weights[1] > 0.0 {
-                let sign = areas[one].signum();
-                [areas[one], areas[other]] = weights.map(|weight| sign * weight);
-            }
+            let weights = edge_weights(self.origin, self.direction, [vertices[one], vertices[other]]);
+            let sign = areas[one].signum();
+            [areas[one], areas[other]] = weights.map(|weight| sign * weight);
         }
         areas
     }
@@ -213,12 +236,20 @@ struct RaySpaceTriangle {
     areas: [f64; 3],
     /// Sum of the areas.
     determinant: f64,
+    /// Up to this determinant, the weights may be too inaccurate; 0 if the areas are exact.
+    min_determinant: f64,
     /// Ray parameters of the vertices.
     depths: [f64; 3],
 }
 
 impl RaySpaceTriangle {
-    /// True if rounding may change the side of the triangle on which the ray starts.
+    /// True if rounding may have changed the weights by more than 2⁻¹⁷.
+    #[inline(always)]
+    fn has_uncertain_weights(&self) -> bool {
+        self.determinant.abs() <= self.min_determinant
+    }
+
+    /// True if rounding may change the side of the triangle on which the ray starts, given the `t` of accurate weights.
     #[inline(always)]
     fn origin_side_uncertain(&self, t: f64) -> bool {
         let [a, b, c] = self.depths;

@@ -40,6 +40,7 @@ class _Queries:
             Directions of any length other than zero; rays with the direction zero hit nothing.
         t_min, t_max : float or array_like
             Hits count from `t_min` to `t_max`, both inclusive, in multiples of the direction.
+            `t_min` is inclusive up to rounding of `t`.
         threads : int, optional
             Number of threads, by default all processors. Results do not depend on it.
 

@@ -51,7 +51,7 @@ impl<'a> LeafTriangle<'a> {
         span: Interval,
     ) -> Option<Hit> {
         let edges = self.edge_functions(simd, exact);
-        // Areas of a certain hit are far from 0.
+        // Areas of a certain hit are far from 0, and accurate.
         if !CERTAIN && !edges.is_certain {
             return self.intersect_scalar(exact.ray, span);
         }
@@ -64,7 +64,7 @@ impl<'a> LeafTriangle<'a> {
         let quotients = simd.div_f64(simd.f64x4([edges.weighted, v, w, 1.0]), all(simd, determinant));
         let [t, v, w, _] = simd.to_f64_array(quotients);
         if !CERTAIN {
-            if t.abs() <= edges.origin_side_bound {
+            if (determinant.abs() <= edges.min_determinant) | (t.abs() <= edges.origin_side_bound) {
                 return self.intersect_scalar(exact.ray, span);
             }
             if !(span.contains(t) & t.is_finite()) {
@@ -123,6 +123,7 @@ impl<'a> LeafTriangle<'a> {
             areas: [u, v, w],
             weighted: ua + vb + wc,
             is_certain: simd.signs(doubt) & 7 == 7,
+            min_determinant: edge_error * WatertightRay::MIN_DETERMINANT,
             origin_side_bound: WatertightRay::ORIGIN_SIDE_BOUND * (a + b + c),
         }
     }
@@ -157,6 +158,8 @@ struct EdgeFunctions {
     weighted: f64,
     /// True if the signs of the areas are exact.
     is_certain: bool,
+    /// Up to this sum of the areas, the weights may be too inaccurate.
+    min_determinant: f64,
     /// Up to this `t`, rounding may change the side of the triangle that the ray starts on.
     origin_side_bound: f64,
 }

@@ -3,12 +3,12 @@
 //!
 //! The scalar test resolves
 //!
-//! * signs of areas that rounding may have changed,
+//! * areas whose signs rounding may have changed, or whose sum is too small to be accurate,
 //! * rays that start next to the triangle's plane, unless they certainly leave it, and
 //! * hits that depend on the padded bounds (see [`packet_spheres`](super::packet_spheres)).
 //!
-//! [`resolve_certain`] is for hits that a filter has confirmed ([`leaf`](super::leaf)): all signs are certain, and the
-//! ray hits the padded bounds.
+//! [`resolve_certain`] is for hits that a filter has confirmed ([`leaf`](super::leaf)): all signs are certain, all weights
+//! accurate, and the ray hits the padded bounds.
 
 use rt_geometry::WatertightRay;
 use rt_math::float::UNIT_ROUNDOFF;
@@ -154,6 +154,8 @@ struct RaySpaceTriangle<S: Simd> {
     vertices: [RaySpaceVertex<S>; 3],
     /// Twice the areas between the ray and the edges opposite of the vertices.
     areas: [F64x8<S>; 3],
+    /// See [`WatertightRay::edge_error`].
+    edge_error: F64x8<S>,
     /// A bit for each ray for which the signs of all areas are certain.
     has_certain_signs: u32,
     /// A bit for each ray that certainly passes outside.
@@ -166,12 +168,13 @@ impl<S: Simd> RaySpaceTriangle<S> {
         let (u, v, w) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
         let smallest = u.abs(simd).min(simd, v.abs(simd)).min(simd, w.abs(simd));
         // NaN is uncertain: its comparison with the least bound fails, also after the minimum.
-        let has_certain_signs = edge_error(simd, [&a, &b, &c]).lt(simd, smallest);
+        let edge_error = edge_error(simd, [&a, &b, &c]);
+        let has_certain_signs = edge_error.lt(simd, smallest);
         let zero = F64x8::splat(simd, 0.0);
         let has_negative = u.lt(simd, zero) | v.lt(simd, zero) | w.lt(simd, zero);
         let has_positive = zero.lt(simd, u) | zero.lt(simd, v) | zero.lt(simd, w);
         let missed = has_certain_signs & has_negative & has_positive;
-        Self { vertices: [a, b, c], areas: [u, v, w], has_certain_signs, missed }
+        Self { vertices: [a, b, c], areas: [u, v, w], edge_error, has_certain_signs, missed }
     }
 
     /// Hits within spans and boxes, a bit for each ray with a certain side of the plane, and the sum of the areas.
@@ -188,7 +191,10 @@ impl<S: Simd> RaySpaceTriangle<S> {
         let [t, determinant] = crossing(simd, [a, b, c], self.areas);
         let depths = a.depth.abs(simd).add(simd, b.depth.abs(simd)).add(simd, c.depth.abs(simd));
         // NaN is uncertain.
-        let is_certain = depths.mul(simd, F64x8::splat(simd, WatertightRay::ORIGIN_SIDE_BOUND)).lt(simd, t.abs(simd));
+        let [min_determinant, origin_side_bound] =
+            [WatertightRay::MIN_DETERMINANT, WatertightRay::ORIGIN_SIDE_BOUND].map(|bound| F64x8::splat(simd, bound));
+        let is_accurate = self.edge_error.mul(simd, min_determinant).lt(simd, determinant.abs(simd));
+        let is_certain = is_accurate & depths.mul(simd, origin_side_bound).lt(simd, t.abs(simd));
         let within = rays.min.le(simd, t) & t.le(simd, rays.max) & t.abs(simd).le(simd, F64x8::splat(simd, f64::MAX));
         let in_box = enter.le(simd, t) & t.le(simd, leave);
         let resolved = possible & self.has_certain_signs & is_certain;
@@ -239,8 +245,7 @@ fn inner_box<S: Simd>(simd: S, &[a, b, c]: &[DVec3; 3], rays: &RaySoa8<S>) -> [F
     rays.cross_box(simd, F64x8::splat3(simd, low), F64x8::splat3(simd, high), F64x8::splat(simd, pad))
 }
 
-/// Rays whose origin is certainly beyond the triangle's plane. Only for rays whose `t` leaves the side uncertain: for
-/// others the kernel uses the sign of `t`, which may differ in slivers.
+/// Rays whose origin is certainly beyond the triangle's plane, so that the scalar test misses. Only for certain signs of areas.
 #[inline(always)]
 fn origin_beyond_plane<S: Simd>(
     simd: S,

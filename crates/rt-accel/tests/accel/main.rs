@@ -6,6 +6,7 @@ mod batches;
 mod degenerate;
 mod differential;
 mod field_cases;
+mod grazing_rays;
 mod lazy;
 mod queries;
 mod refit;

@@ -270,6 +270,30 @@ fn nearest_points_are_those_of_exhaustive_search() {
     }
 }
 
+/// Regression: the square of the distance, rounded, was less than the squared distance.
+#[test]
+fn a_point_exactly_at_the_maximum_distance_is_found() {
+    let unit = Soup(vec![Solid::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y])]);
+    for structure in &Structures::build(&unit).0 {
+        let name = structure.kind().name();
+        let radius = 3f64.sqrt();
+        let found = structure.nearest_point(&unit, DVec3::NEG_ONE, radius);
+        assert_eq!(found.map(|hit| (hit.distance, hit.point)), Some((radius, DVec3::ZERO)), "{name}");
+        assert_eq!(structure.nearest_point(&unit, DVec3::NEG_ONE, radius.next_down()), None, "{name}");
+        let mut draw = Draw::new(14);
+        for _ in 0..1000 {
+            let point = draw.point() * draw.pick(&[1e-160, 1e-9, 1.0, 1e60]) - DVec3::Z * 1e-300;
+            let Some(distance) = structure.nearest_point(&unit, point, f64::INFINITY).map(|hit| hit.distance) else {
+                panic!("{name}: no point near {point}")
+            };
+            let found = structure.nearest_point(&unit, point, distance).map(|hit| hit.distance);
+            assert_eq!(found, Some(distance), "{name}: {point}");
+            let nearer = structure.nearest_point(&unit, point, distance.next_down());
+            assert!(distance == 0.0 || nearer.is_none(), "{name}: {point}");
+        }
+    }
+}
+
 /// A query must not look at everything: that is what the accelerator is for.
 #[test]
 fn queries_look_at_a_small_part_only() {

@@ -30,7 +30,9 @@
 //! **Hits.** If the vertices lie within `2⅜e` and all three functions are at least `m` or at most `−m`, their signs are
 //! exact. So are those of the `f64` kernel, whose vertices are much more accurate. They are also certain there. The
 //! functions are at least `m/20`, or eight ninths of that along the kernel's own axis. Rounding changes them by less
-//! than `2⁻⁴⁶·e²`.
+//! than `2⁻⁴⁶·e²`. Their sum is at least `2/15·m`, which is more than `2⁻²²·e(|Z| + e)`, and the bound of that rounding
+//! ([`edge_error`](rt_geometry::WatertightRay::edge_error)) less than `2⁻⁴⁴·e(|Z| + e)`. So the weights are accurate as well
+//! ([`MIN_DETERMINANT`](rt_geometry::WatertightRay::MIN_DETERMINANT)).
 //!
 //! **Bounds of `t`.** True weights are between 0 and 1, so errors of the functions by `i` change the depth by at most
 //! `5i·e/|det|`, with the computed determinant. The shift of the ray changes it by the product of the shift and the
