@@ -19,8 +19,8 @@ pub fn padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> 
 /// before the accepted `t`. So an accelerator that prunes only what starts strictly behind the best hit returns the
 /// bits of brute force, ties included.
 ///
-/// `t` is not lowered to the exit from that box. So `span.max` is inclusive, and `span.min` is inclusive up to rounding of `t`: from far
-/// away, a `t` behind the exit as rounded is no hit of a span that starts there.
+/// `t` is not lowered to the exit from that box. So `span.max` is inclusive, and `span.min` up to rounding of `t`. From far away, a `t`
+/// behind the rounded exit is no hit of a span that starts there.
 ///
 /// The kernel runs first: most tests are misses, and the bounds are tested for hits only.
 #[inline(always)]

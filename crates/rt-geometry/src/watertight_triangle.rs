@@ -15,8 +15,8 @@ use rt_math::{Interval, Ray};
 /// function of that vertex and the ray alone. Where rounding could change the side on which the ray passes an edge, it is
 /// computed exactly, from the numbers of ray and vertices. So no ray passes through an edge or a vertex of a closed mesh. A ray
 /// exactly through an edge hits both of its triangles, at the same `t`. The side of a triangle on which a ray starts is exact as well.
-/// So a ray that starts in its plane hits it at 0. Where rounding could change `t` by more than some 2⁻¹⁷ of the distances of the
-/// vertices, as of grazing rays and needles, all areas are computed exactly.
+/// So a ray that starts in its plane hits it at 0. All areas of grazing rays and needles are computed exactly, where rounding
+/// could change `t` by more than some 2⁻¹⁷ of the distances of the vertices.
 ///
 /// # When the sides of edges are certain
 ///
@@ -28,7 +28,7 @@ use rt_math::{Interval, Ray};
 ///
 /// # When the side of the plane is certain
 ///
-/// Let `E` be that error, `D` the sum of the areas, and `S` the sum of the distances of the vertices along the ray, as parameters. `t` is
+/// Let `E` be that error and `D` the sum of the areas. `S` is the sum of the ray parameters of the vertices, without signs. `t` is
 /// the mean of these distances weighted by the areas. So areas of certain signs that are off by `E` can change the sign of `t` only up to
 /// `|t| = S·E/|D|`. Roundings of the distances and of the mean add less than `8u·S`. With `|D|` greater than
 /// [2¹⁷](Self::MIN_DETERMINANT)`·E` both are less than [2⁻¹⁶](Self::ORIGIN_SIDE_BOUND)`·S`. Otherwise the areas are computed exactly,

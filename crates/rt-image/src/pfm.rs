@@ -106,8 +106,8 @@ pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Image, PfmEr
     Ok(film)
 }
 
-/// The next word, without the white space around it, the number of bytes that it and one white space behind it take, and
-/// that white space.
+/// The next word without the white space around it. The others are the number of bytes that it and one white space behind it take,
+/// and that white space.
 fn read_word(reader: &mut impl BufRead) -> Result<(String, u64, u8), PfmError> {
     let mut word = String::new();
     let mut consumed = 0;

@@ -37,7 +37,7 @@ fn dot(a: &Vector, b: &Vector) -> BigInt {
     &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
 }
 
-/// Parameter of the plane as a quotient of positive divisor, if the line of the ray passes the closed triangle and is not in its plane.
+/// Parameter of the plane as a quotient of positive divisor; `None` unless the line of the ray crosses the closed triangle.
 fn exact_crossing(triangle: [DVec3; 3], ray: &Ray) -> Option<[BigInt; 2]> {
     let (o, d) = (vector(ray.origin), vector(ray.direction));
     let [a, b, c] = triangle.map(|vertex| minus(&vector(vertex), &o));
@@ -116,7 +116,7 @@ fn a_grazing_ray_that_starts_before_the_plane_hits_and_one_beyond_it_misses() {
     assert_eq!(check(1, invented, &ray, 1e-5), 0);
 }
 
-/// Regression: of rays at 10⁻¹⁴ to a plane one in a thousand was on its wrong side, and `t` was off by up to the size of the triangle.
+/// Regression: one in a thousand rays at 10⁻¹⁴ to a plane was on its wrong side, and `t` was off by the size of the triangle.
 #[test]
 fn grazing_rays_have_the_exact_sides_of_planes_and_accurate_parameters() {
     for tilt in [1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-8] {
