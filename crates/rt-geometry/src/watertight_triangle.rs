@@ -15,8 +15,8 @@ use rt_math::{Interval, Ray};
 /// function of that vertex and the ray alone. Where rounding could change the side on which the ray passes an edge, it is
 /// computed exactly, from the numbers of ray and vertices. So no ray passes through an edge or a vertex of a closed mesh. A ray
 /// exactly through an edge hits both of its triangles, at the same `t`. The side of a triangle on which a ray starts is exact as well.
-/// So a ray that starts in its plane hits it at 0. All areas of grazing rays and needles are computed exactly, where rounding
-/// could change `t` by more than some 2⁻¹⁷ of the distances of the vertices.
+/// So a ray that starts in its plane hits it at 0. All areas of grazing rays and needles are computed exactly. Otherwise
+/// rounding changes `t` by at most some 2⁻¹⁷ of the distances of the vertices.
 ///
 /// # When the sides of edges are certain
 ///

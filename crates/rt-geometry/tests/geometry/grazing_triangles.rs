@@ -116,7 +116,7 @@ fn a_grazing_ray_that_starts_before_the_plane_hits_and_one_beyond_it_misses() {
     assert_eq!(check(1, invented, &ray, 1e-5), 0);
 }
 
-/// Regression: one in a thousand rays at 10⁻¹⁴ to a plane was on its wrong side, and `t` was off by the size of the triangle.
+/// Regression: one in a thousand rays at 10⁻¹⁴ to a plane was on its wrong side. `t` was off by the size of the triangle.
 #[test]
 fn grazing_rays_have_the_exact_sides_of_planes_and_accurate_parameters() {
     for tilt in [1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-8] {
