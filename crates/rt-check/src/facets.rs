@@ -9,7 +9,6 @@ use rt_math::{Aabb, DVec3};
 
 use crate::flat_region::Outline;
 use crate::objects::{Geometry, Objects};
-use crate::round_side::end_radii;
 use crate::welded::corners;
 
 /// Largest number of faces to compare.
@@ -198,8 +197,8 @@ impl<'o> Facets<'o> {
     /// Radius and height of a cap of a cylinder, cone or frustum; NaN for other shapes.
     fn cap(&self, object: usize, number: usize) -> (f64, f64) {
         match self.objects.list[object].geometry {
-            Geometry::Shape(shape @ (Shape::Cylinder(quadric) | Shape::Cone(quadric) | Shape::Frustum(quadric))) => {
-                (end_radii(shape).map_or(f64::NAN, |radii| radii[number]), quadric.heights()[number])
+            Geometry::Shape(Shape::Cylinder(quadric) | Shape::Cone(quadric) | Shape::Frustum(quadric)) => {
+                (quadric.radii()[number], quadric.heights()[number])
             }
             _ => (f64::NAN, f64::NAN),
         }

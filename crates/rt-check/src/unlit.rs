@@ -1,7 +1,8 @@
 //! Scenes without light.
 
-use rt_scene_io::{Integrator, MaterialId};
-use rt_shading::{Appearance, ShadingFeatures};
+use rt_render::has_light;
+use rt_scene_io::MaterialId;
+use rt_shading::ShadingFeatures;
 
 use crate::finding::{Finding, Findings, Kind};
 use crate::objects::Objects;
@@ -9,8 +10,7 @@ use crate::objects::Objects;
 /// Reports a scene whose image is black. `render` warns of the same scenes.
 pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
     let scene = objects.scene;
-    let integrator = scene.settings.integrator;
-    if objects.truncated || objects.list.is_empty() || !integrator.follows_light() {
+    if objects.truncated || objects.list.is_empty() || !scene.settings.integrator.follows_light() {
         return;
     }
     let appearance = &scene.appearance;
@@ -22,17 +22,10 @@ pub(crate) fn check(objects: &Objects<'_>, findings: &mut Findings) {
         }
     }
     let features = ShadingFeatures::of(appearance, |material| used[material]);
-    if !has_light(appearance, integrator, &features) {
+    if !has_light(scene, &features) {
         let message = "has no light, no emissive object, and a black background: the image will be black";
         findings.add(Finding::new(Kind::Unlit, &scene.name, &[], message));
     }
-}
-
-fn has_light(appearance: &Appearance, integrator: Integrator, features: &ShadingFeatures) -> bool {
-    let Appearance { lights, ambient, background, .. } = appearance;
-    let gathers = integrator != Integrator::Whitted || features.reflection || features.refraction;
-    let has_ambient = !ambient.is_black() && !integrator.gathers_background();
-    !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || features.emission
 }
 
 #[cfg(test)]
@@ -40,6 +33,7 @@ mod tests {
     use super::*;
     use crate::fixture::*;
     use rt_math::{DVec3, Rgb};
+    use rt_scene_io::Integrator;
     use rt_shading::{Background, ColorTexture};
 
     #[test]

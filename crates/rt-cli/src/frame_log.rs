@@ -5,8 +5,8 @@
 //!   { "frames": { "0": "5e1c...", "1": "90ab..." }, "files": { "0": "77d0...", "1": "c4e9..." } }
 //! ```
 //!
-//! Each frame has the [`Identity`] of its image, and the hash of the image file. Each machine has its own file. Programs that share a file lock it, read the entries
-//! of the others, and replace the file.
+//! Each frame has the [`Identity`] of its image, and the hash of the image file. Each machine has its own file. Programs that share a
+//! file lock it, read the entries of the others, and replace the file.
 
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -90,6 +90,11 @@ impl CappedQuadric {
         self.side.radius
     }
 
+    /// Radii of the bottom and of the top; 0 at the apex of a cone.
+    pub fn radii(&self) -> [f64; 2] {
+        self.heights().map(|y| self.side.radius_at(y))
+    }
+
     /// Heights of the bottom and of the top.
     pub const fn heights(&self) -> [f64; 2] {
         [self.bottom, self.top]
@@ -102,7 +107,8 @@ impl CappedQuadric {
 
     /// The smallest box around it, rounded outwards.
     pub fn bounds(&self) -> Aabb {
-        let reach = self.side.radius_at(self.bottom).max(self.side.radius_at(self.top));
+        let [bottom, top] = self.radii();
+        let reach = bottom.max(top);
         let reach = DVec3::new(reach.next_up(), 0.0, reach.next_up());
         Aabb::new(DVec3::Y * self.bottom - reach, DVec3::Y * self.top + reach)
     }

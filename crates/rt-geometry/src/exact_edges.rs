@@ -13,7 +13,8 @@ const MIN_DOUBLE_DOUBLE: f64 = 1.0 / (1u128 << 78) as f64;
 /// Volumes `d·((p − o) × (q − o))` that the direction `d` of a ray from `o` spans with the edges `(p, q)`. They are positive where the edge
 /// turns counterclockwise around the direction.
 ///
-/// Each has the exact sign, and is 0 only when it is exactly 0. Its relative error is less than 2⁻²³, and all have a common positive factor. Shewchuk,
+/// Each has the exact sign, and is 0 only when it is exactly 0. Its relative error is less than 2⁻²³, and all have a common positive
+/// factor. Shewchuk,
 /// "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997. Exact unless the coordinates of the points
 /// differ by more than a factor of 10⁹⁰, or those of the direction do.
 pub(crate) fn edge_volumes<const N: usize>(origin: DVec3, direction: DVec3, edges: [[DVec3; 2]; N]) -> [f64; N] {
@@ -90,8 +91,8 @@ pub(crate) fn point_area(origin: [f64; 2], direction: [f64; 2], point: [f64; 2])
     scaled_area(o, d, p)
 }
 
-/// Weights of the ends of an edge in the point where a ray passes exactly through it, without rounding up to a common factor. They depend on
-/// edge and ray only.
+/// Weights of the ends of an edge in the point where a ray passes exactly through it, times a common factor. They depend on edge and ray
+/// only.
 pub(crate) fn edge_weights(origin: DVec3, direction: DVec3, [from, to]: [DVec3; 2]) -> [f64; 2] {
     let scale = power_of_two_scale(origin.abs().max(from.abs()).max(to.abs()));
     let (o, d) = (origin * scale, direction * power_of_two_scale(direction));

@@ -35,10 +35,8 @@ pub(crate) struct CompiledScene<'s> {
     /// Lights that light tracing starts from, if the integrator traces light.
     pub(crate) light_sources: Option<LightSources>,
     pub(crate) features: ShadingFeatures,
-    /// True if a material in use emits light.
-    pub(crate) has_emission: bool,
-    /// True if a material in use mirrors or refracts.
-    has_specular: bool,
+    /// Features of the materials in use, also in an untrimmed plan.
+    pub(crate) used_features: ShadingFeatures,
 }
 
 impl<'s> CompiledScene<'s> {
@@ -87,8 +85,7 @@ impl<'s> CompiledScene<'s> {
             bsdfs,
             light_sources,
             features: if trims_shading { used_features } else { ShadingFeatures::ALL },
-            has_emission: used_features.emission,
-            has_specular: used_features.reflection || used_features.refraction,
+            used_features,
         })
     }
 
@@ -101,16 +98,16 @@ impl<'s> CompiledScene<'s> {
     pub(crate) fn lighting(&self) -> Lighting<'_> {
         Lighting { appearance: &self.appearance, lights: &self.lights, bsdfs: &self.bsdfs }
     }
+}
 
-    /// False if the scene has no light: there is no delta light and no emissive surface, and the integrator gathers no light from
-    /// the background.
-    pub(crate) fn has_light(&self) -> bool {
-        let Appearance { lights, ambient, background, .. } = &self.source.appearance;
-        let integrator = self.source.settings.integrator;
-        let gathers = integrator != Integrator::Whitted || self.has_specular;
-        let has_ambient = !ambient.is_black() && !integrator.gathers_background();
-        !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || self.has_emission
-    }
+/// False if a scene has no light: no delta light and no emissive surface, and the integrator gathers no light from the background.
+/// `used` are the features of the materials of its objects.
+pub fn has_light(scene: &Scene, used: &ShadingFeatures) -> bool {
+    let Appearance { lights, ambient, background, .. } = &scene.appearance;
+    let integrator = scene.settings.integrator;
+    let gathers = integrator != Integrator::Whitted || used.reflection || used.refraction;
+    let has_ambient = !ambient.is_black() && !integrator.gathers_background();
+    !lights.is_empty() || has_ambient || (gathers && !background.is_black()) || used.emission
 }
 
 /// Marks the instances whose texture coordinates are used: those with a textured material.

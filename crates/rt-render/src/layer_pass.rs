@@ -73,7 +73,7 @@ impl RenderPlan<'_> {
         };
         let missing = film.missing_tiles();
         let finished = |number: usize, channels: Vec<Vec<f32>>| film.insert(tiles[number], &channels);
-        let outcome = parallel_for(thread_count(threads), &missing, None, (PrimaryRayBatch::full, trace), finished);
+        let outcome = parallel_for(thread_count(threads), &missing, None, (PrimaryRayBatch::default, trace), finished);
         if outcome.lost.is_empty() { Ok(()) } else { Err(RenderError::LostTiles(outcome.lost.len())) }
     }
 

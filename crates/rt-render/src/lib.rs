@@ -107,6 +107,7 @@ mod world;
 
 pub use checkpoint::{Checkpoint, UncheckedCheckpoint};
 pub use clamping::Clamping;
+pub use compiled_scene::has_light;
 pub use content_checks::ContentError;
 pub use crop::Crop;
 pub use error::RenderError;

@@ -9,7 +9,7 @@ use rt_shading::Clamp;
 use crate::{
     RenderError,
     accel_choice::AccelOptions,
-    compiled_scene::CompiledScene,
+    compiled_scene::{CompiledScene, has_light},
     frame::{CameraView, Frame, camera_of},
     integrator::IntegratorState,
     memory::{MemoryPrediction, PerPixel},
@@ -114,12 +114,12 @@ impl<'s> RenderPlan<'s> {
     /// False if the scene has no light: no delta light and no emissive surface, and the integrator gathers no light from the
     /// background.
     pub fn has_light(&self) -> bool {
-        self.scene.has_light()
+        has_light(self.scene.source, &self.scene.used_features)
     }
 
     /// True if a surface emits light.
     pub const fn has_emission(&self) -> bool {
-        self.scene.has_emission
+        self.scene.used_features.emission
     }
 
     /// Samples per pixel of [`render`](Self::render), in all passes; with adaptive sampling, the largest number.
@@ -159,5 +159,6 @@ impl<'s> RenderPlan<'s> {
 }
 
 fn integrator(settings: &RenderSettings, scene: &CompiledScene<'_>, frame: &Frame) -> IntegratorState {
-    IntegratorState::new(settings, frame.depth_range(&scene.world.bounds()), scene.has_unsampled_emitters())
+    let has_unsampled_emitters = settings.integrator == Integrator::Distributed && scene.has_unsampled_emitters();
+    IntegratorState::new(settings, frame.depth_range(&scene.world.bounds()), has_unsampled_emitters)
 }

@@ -28,8 +28,8 @@ const ALL: [u32; BATCH_SIZE] = {
 /// Camera rays of a batch with their radiance.
 #[derive(Debug, Default)]
 pub(crate) struct PrimaryRayBatch {
-    /// Number of rays that are traced together.
-    size: usize,
+    /// Slots that stay free, for smaller batches.
+    unused: usize,
     /// Positions in the pixel of the samples that are generated.
     positions: Vec<[f64; 2]>,
     /// Points on the lens of these samples, in the unit square.
@@ -50,17 +50,13 @@ impl PrimaryRayBatch {
         &self.rays
     }
 
-    /// Room for the most rays.
-    pub(crate) fn full() -> Self {
-        Self::new(BATCH_SIZE)
-    }
-
+    /// Batch of at most `size` rays.
     pub(crate) fn new(size: usize) -> Self {
-        Self { size: size.min(BATCH_SIZE), ..Self::default() }
+        Self { unused: BATCH_SIZE.saturating_sub(size), ..Self::default() }
     }
 
     pub(crate) const fn free_slots(&self) -> usize {
-        self.size - self.weights.len()
+        BATCH_SIZE - self.unused - self.weights.len()
     }
 
     pub(crate) fn clear(&mut self) {

@@ -31,6 +31,15 @@ fn first(quadric: CappedQuadric, origin: [f64; 3], direction: [f64; 3]) -> Optio
 }
 
 #[test]
+fn radii_belong_to_their_ends() {
+    for radii in [[1.0, 0.25], [0.25, 1.0], [1.0, 1.0 + 1e-9], [1.0 + 1e-9, 1.0], [0.1, 100.0], [1.0, 1.0]] {
+        assert_eq!(CappedQuadric::frustum(radii[0], radii[1], 3.0, true).expect("a frustum").radii(), radii);
+    }
+    assert_eq!(CappedQuadric::cone(0.7, 2.0, true).expect("a cone").radii(), [0.7, 0.0]);
+    assert_eq!(CappedQuadric::cylinder(0.7, 1.0, 2.0, true).expect("a cylinder").radii(), [0.7; 2]);
+}
+
+#[test]
 fn side_and_caps_of_a_cylinder_are_hit_from_outside_and_inside() {
     let solid = cylinder(CLOSED);
     assert_eq!(first(solid, [-3.0, 0.5, 0.0], [1.0, 0.0, 0.0]), Some((2.0, DVec3::NEG_X)));

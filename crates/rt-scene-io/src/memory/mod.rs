@@ -13,15 +13,6 @@ pub use budget::MemoryBudget;
 #[cfg(feature = "format")]
 pub(crate) use budget::Reservation;
 pub use error::MemoryError;
-#[cfg(any(
-    feature = "gltf",
-    feature = "nff",
-    feature = "obj",
-    feature = "pbrt",
-    feature = "ply",
-    feature = "stl"
-))]
-pub(crate) use estimate::FileSample;
 #[cfg(feature = "format")]
 pub(crate) use estimate::{reserve_scene, tree_bytes};
 #[cfg(any(
@@ -32,4 +23,4 @@ pub(crate) use estimate::{reserve_scene, tree_bytes};
     feature = "ply",
     feature = "stl"
 ))]
-pub(crate) use load_within_budget::load_within_budget;
+pub(crate) use {estimate::FileSample, load_within_budget::load_within_budget};
