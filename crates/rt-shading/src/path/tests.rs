@@ -8,11 +8,11 @@ use crate::{
     Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, SurfaceHit, Transmission,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, QuadLight},
     stream_queries::SingleQueries,
-    wavefront::test_world::difference,
+    wavefront::test_world::{difference, in_streams},
 };
-use core::f64::consts::PI;
+use core::{f64::consts::PI, ops::Range};
 use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
-use rt_math::{DVec3, Rgb, random};
+use rt_math::{DVec3, Interval, Ray, Rgb, random};
 
 /// Independent numbers.
 #[derive(Clone)]
@@ -128,9 +128,10 @@ fn trace(
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
     let features = ShadingFeatures::of(lighting.appearance, |_| true);
     let mut radiance_of = |mut paths: PathTracer<Independent>| {
-        let mut seen = vec![RadianceSample::MISS; rays.len()];
-        paths.set_surroundings(surroundings);
-        paths.radiance_of(&mut SingleQueries::new(world), lighting, &spans, &samplers, &mut seen);
+        let seen = in_streams(&spans, |range, rays, seen| {
+            paths.set_surroundings(if surroundings.len() > 1 { &surroundings[range.clone()] } else { surroundings });
+            paths.radiance_of_stream(&mut SingleQueries::new(world), lighting, rays, &samplers[range], seen);
+        });
         (seen, paths.take_counts())
     };
     let levels = [LaneLevel::avx2(), LaneLevel::best(), None];
@@ -410,25 +411,15 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-    let mut together = vec![RadianceSample::MISS; 20];
-    PathTracer::new(paths(6), features).radiance_of(
-        &mut SingleQueries::new(&mut scene.shapes),
-        lighting,
-        &rays,
-        &samplers,
-        &mut together,
-    );
-    let mut one_by_one = vec![RadianceSample::MISS; 20];
     let mut tracer = PathTracer::new(paths(6), features);
-    for i in 0..20 {
-        tracer.radiance_of(
-            &mut SingleQueries::new(&mut scene.shapes),
-            lighting,
-            &rays[i..=i],
-            &samplers[i..=i],
-            &mut one_by_one[i..=i],
-        );
-    }
+    let mut radiance_of = |range: Range<usize>| {
+        in_streams(&rays[range.clone()], |_, rays, seen| {
+            let world = &mut SingleQueries::new(&mut scene.shapes);
+            tracer.radiance_of_stream(world, lighting, rays, &samplers[range.clone()], seen);
+        })
+    };
+    let together = radiance_of(0..20);
+    let one_by_one: Vec<_> = (0..20).flat_map(|at| radiance_of(at..at + 1)).collect();
     assert_eq!(together, one_by_one);
     assert!(together.iter().any(|seen| !seen.radiance.is_black()));
 }

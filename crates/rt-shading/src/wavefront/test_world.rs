@@ -4,9 +4,10 @@ use crate::{
     RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle, SurfaceHit, light::LightId,
     scene_queries::SceneQueries,
 };
+use core::ops::Range;
 use rt_geometry::{
-    Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, ShapeHit, Sphere, SurfaceInteraction, WatertightRay,
-    interpolate, smooth_point, triangle_point,
+    Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, STREAM_CAPACITY, ShapeHit, Sphere, SurfaceInteraction,
+    WatertightRay, interpolate, smooth_point, triangle_point,
 };
 use rt_math::{DVec3, Interval, Ray, random};
 
@@ -161,6 +162,20 @@ pub(crate) fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
         Ray::new(eye * scale, aim - eye)
     };
     (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
+}
+
+/// Radiance of rays that are traced in streams as large as possible. `trace` gets the range of the rays of each.
+pub(crate) fn in_streams(
+    rays: &[(Ray, Interval)],
+    mut trace: impl FnMut(Range<usize>, &mut RayStream, &mut [RadianceSample]),
+) -> Vec<RadianceSample> {
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
+    for (number, (rays, seen)) in rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY)).enumerate() {
+        let (first, mut stream) = (number * STREAM_CAPACITY, RayStream::default());
+        rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+        trace(first..first + rays.len(), &mut stream, seen);
+    }
+    seen
 }
 
 /// Asserts that what rays see is bit-identical.

@@ -12,7 +12,7 @@ use crate::{
     },
     path::{Clamp, Lighting, lane_material::LaneMaterials},
     wavefront::test_world::{
-        ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, number, vector,
+        ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, in_streams, number, vector,
     },
 };
 use rt_geometry::{RayStream, Sphere};
@@ -173,19 +173,21 @@ fn samplers(count: usize) -> Vec<Independent> {
 
 type Rendered = (Vec<RadianceSample>, ShadingCounts);
 
-/// Radiance of camera rays, in streams as large as possible.
-fn in_streams(scene: &mut TestScene, mut paths: PathTracer<Independent>, rays: &[(Ray, Interval)]) -> Rendered {
+/// Radiance of camera rays.
+fn traced(scene: &mut TestScene, mut paths: PathTracer<Independent>, rays: &[(Ray, Interval)]) -> Rendered {
     let TestScene { world, appearance, lights, .. } = scene;
     let bsdfs = BsdfCache::default();
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
-    let mut seen = vec![RadianceSample::MISS; rays.len()];
-    paths.radiance_of(world, lighting, rays, &samplers(rays.len()), &mut seen);
+    let samplers = samplers(rays.len());
+    let seen = in_streams(rays, |range, rays, seen| {
+        paths.radiance_of_stream(world, lighting, rays, &samplers[range], seen);
+    });
     (seen, paths.take_counts())
 }
 
 fn in_f64(scene: &mut TestScene, settings: PathSettings, rays: &[(Ray, Interval)]) -> Rendered {
     let paths = PathTracer::new(settings, scene.features).in_f64();
-    in_streams(scene, paths, rays)
+    traced(scene, paths, rays)
 }
 
 /// Radiance in `f32`, in lanes of a level or one by one.
@@ -197,7 +199,7 @@ fn in_f32(
 ) -> Rendered {
     let mut paths = PathTracer::new(settings, scene.features);
     paths.set_lanes(level);
-    in_streams(scene, paths, rays)
+    traced(scene, paths, rays)
 }
 
 /// Radiance by the reference integrator, and its counts of clamped contributions.

@@ -4,7 +4,9 @@ use super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
     Phong, StreamTriangle, Texture, TextureId, Transmission,
-    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, vector},
+    wavefront::test_world::{
+        ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, in_streams, vector,
+    },
 };
 use rt_geometry::Sphere;
 use rt_math::{DVec3, Rgb};
@@ -130,34 +132,31 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn misses(&self) -> Vec<RadianceSample> {
-        vec![RadianceSample::MISS; self.rays.len()]
-    }
-
     fn whitted(&self) -> Whitted {
         Whitted::new(4, 1e-3, self.features)
     }
 
+    fn traced(&self, mut whitted: Whitted, world: &mut impl StreamQueries) -> Image {
+        let seen =
+            in_streams(self.rays, |_, rays, seen| whitted.radiance_of_stream(world, self.appearance, rays, seen));
+        (seen, whitted.take_counts())
+    }
+
     /// Radiance of hits that are shaded one by one in `f64`.
     fn one_by_one(&self, world: &mut ShapeWorld) -> Image {
-        let (mut seen, mut whitted) = (self.misses(), self.whitted().in_f64());
-        whitted.radiance_of(&mut SingleQueries::new(world), self.appearance, self.rays, &mut seen);
-        (seen, whitted.take_counts())
+        self.traced(self.whitted().in_f64(), &mut SingleQueries::new(world))
     }
 
     /// Radiance in `f32`, in lanes of a level.
     fn in_lanes(&self, level: Option<LaneLevel>, world: &mut ShapeWorld) -> Image {
-        let (mut seen, mut whitted) = (self.misses(), self.whitted());
+        let mut whitted = self.whitted();
         whitted.set_lanes(level);
-        whitted.radiance_of(world, self.appearance, self.rays, &mut seen);
-        (seen, whitted.take_counts())
+        self.traced(whitted, world)
     }
 
     /// Radiance with the code for lanes, in `f64`.
     fn in_f64(&self, world: &mut ShapeWorld) -> Image {
-        let (mut seen, mut whitted) = (self.misses(), self.whitted().in_f64());
-        whitted.radiance_of(world, self.appearance, self.rays, &mut seen);
-        (seen, whitted.take_counts())
+        self.traced(self.whitted().in_f64(), world)
     }
 }
 
