@@ -39,8 +39,7 @@ impl<E: Element> SpawnedPaths<E> {
             let interface = interface.as_ref();
             let Some(interface) = interface.filter(|_| solid.is_visible(material, interface)) else {
                 let MediumEntry { object, material } = body;
-                let interaction = points.surface(lanes, lane);
-                let hit = SurfaceHit { t: t[lane], interaction, object, material, light: None, casts_shadow: true };
+                let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 let path = HitPath { wave, at, sample, throughput: light, interface };
                 self.skip_interface(inputs, path, &hit, length[lane], &mut seen[sample as usize]);
                 continue;

@@ -42,16 +42,8 @@ impl SceneQueries for Shapes {
         let hits = hits.filter_map(|(object, (shape, ..))| Some((object, shape.intersect(ray, span)?)));
         let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
         let (shape, material, light) = &self.0[object];
-        let interaction = shape.surface(ray, &hit, needs);
         let light = light.map(|index| LightId { index, triangle: None });
-        Some(SurfaceHit {
-            t: hit.t,
-            interaction,
-            object: object as u32,
-            material: *material,
-            light,
-            casts_shadow: true,
-        })
+        Some(SurfaceHit { light, ..SurfaceHit::new(hit.t, shape.surface(ray, &hit, needs), object as u32, *material) })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -353,14 +345,7 @@ fn bounces_charged_for_null_interfaces_end_with_the_ray() {
             let against = if (t as u32).is_multiple_of(2) { ray.direction } else { -ray.direction };
             let normal = if is_wall { -ray.direction } else { against }.normalize();
             let interaction = rt_geometry::SurfaceInteraction::flat(ray.at(t), DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit {
-                t,
-                interaction,
-                object: 0,
-                material: u32::from(is_wall),
-                light: None,
-                casts_shadow: true,
-            })
+            Some(SurfaceHit::new(t, interaction, 0, u32::from(is_wall)))
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false

@@ -102,7 +102,7 @@ impl ShapeWorld {
                 surface
             }
         };
-        SurfaceHit { t, interaction, object: primitive, material: *material, light: *light, casts_shadow: true }
+        SurfaceHit { light: *light, ..SurfaceHit::new(t, interaction, primitive, *material) }
     }
 }
 

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     RadianceSample, SurfaceHit,
     hit_context::SurfaceTransmission,
-    interior_list::MediumInterface,
+    interior_list::{MediumEntry, MediumInterface},
     lane_set::{Element, LaneSet},
     lanes::each_lane,
     medium::absorb,
@@ -51,16 +51,8 @@ impl<E: Element> SpawnedRays<E> {
             let way = (t[lane] - tree.start) * length[lane];
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
-                let body = surfaces.body(lane);
-                let interaction = points.surface(lanes, lane);
-                let hit = SurfaceHit {
-                    t: t[lane],
-                    interaction,
-                    object: body.object,
-                    material: body.material,
-                    light: None,
-                    casts_shadow: true,
-                };
+                let MediumEntry { object, material } = surfaces.body(lane);
+                let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, way), seen);
                 continue;
             }
