@@ -8,7 +8,7 @@ use crate::{
     Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, SurfaceHit, Transmission,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, QuadLight},
     stream_queries::SingleQueries,
-    wavefront::test_world::{difference, in_streams},
+    wavefront::test_world::{assert_close, assert_same_bits, in_streams},
 };
 use core::{f64::consts::PI, ops::Range};
 use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
@@ -135,33 +135,23 @@ fn trace(
     assert!(in_avx2 == (in_f32.clone(), counts), "AVX2 differs from the best level");
     assert_eq!(counts.without_lanes(), counts_of_one.without_lanes(), "{settings:?}");
     assert!(counts.lanes_used <= counts.lanes, "{counts:?}");
-    for (at, (in_lanes, by_itself)) in in_f32.iter().zip(&one_by_one).enumerate() {
-        assert_eq!(bits(in_lanes), bits(by_itself), "path {at} of {settings:?}: {in_lanes:?}, {by_itself:?}");
-    }
+    assert_same_bits(&in_f32, &one_by_one, &format!("{settings:?}"));
     let (seen, counts_in_f64) = radiance_of(PathTracer::new(settings, features).in_f64());
-    let differing = seen.iter().zip(&in_f32).filter(|(a, b)| !(a.hit == b.hit && difference(a, b) < 1e-3)).count();
-    assert!(differing <= 1 + rays.len() / 50, "{differing} of {} paths differ in f32: {settings:?}", rays.len());
+    assert_close(&seen, &in_f32, 1e-3, 1 + rays.len() / 50, ("f32", settings));
     if !matches!(settings.transport, Transport::Specular | Transport::SpecularWithEmitters) {
         let (air, none) = (InteriorList::default(), ShadingCounts::default());
         let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };
-        let mut differing = Vec::new();
-        for (at, (ray, sampler)) in rays.iter().zip(&samplers).enumerate() {
-            reference.surroundings.clone_from(&surroundings[at % surroundings.len()]);
-            let expected = reference.li(world, ray, &mut sampler.clone());
-            if !(seen[at].hit == expected.hit && difference(&seen[at], &expected) < 1e-9) {
-                differing.push((at, seen[at], expected));
-            }
-        }
+        let li = |((ray, sampler), surroundings): ((&Ray, &Independent), &InteriorList)| {
+            reference.surroundings.clone_from(surroundings);
+            reference.li(world, ray, &mut sampler.clone())
+        };
+        let expected: Vec<_> = rays.iter().zip(&samplers).zip(surroundings.iter().cycle()).map(li).collect();
         // On a light source, rounding decides whether the source itself reaches a point or one next to it.
-        assert!(differing.len() <= rays.len() / 500, "{settings:?}: {differing:?}");
+        assert_close(&expected, &seen, 1e-9, rays.len() / 500, settings);
         let of_media_and_clamp = |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped];
         assert_eq!(of_media_and_clamp(&counts_in_f64), of_media_and_clamp(&reference.counts), "{settings:?}");
     }
     (seen, counts)
-}
-
-fn bits(seen: &RadianceSample) -> ([u64; 3], bool) {
-    (seen.radiance.to_array().map(f64::to_bits), seen.hit)
 }
 
 /// Mean of the green channel, and its standard error.

@@ -4,7 +4,7 @@ use crate::{
     RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle, SurfaceHit, light::LightId,
     scene_queries::SceneQueries,
 };
-use core::ops::Range;
+use core::{fmt::Debug, ops::Range};
 use rt_geometry::{
     Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, STREAM_CAPACITY, ShapeHit, Sphere, SurfaceInteraction,
     WatertightRay, interpolate, smooth_point, triangle_point,
@@ -63,6 +63,17 @@ impl ShapeWorld {
         let floor = Plane::new(DVec3::new(0.1, -3.0, 0.2) * scale, DVec3::new(0.1, 1.0, 0.0)).expect("a plane");
         let floor = primitive(TestShape::Plane(floor), n_materials.saturating_sub(1).min(13));
         Self(spheres.chain(triangles).chain([floor]).collect())
+    }
+
+    /// Version in which every second triangle has interpolated normals, some of which face away from the viewer.
+    pub(crate) fn with_bent_normals(mut self) -> Self {
+        for (at, primitive) in self.0.iter_mut().enumerate().step_by(2) {
+            if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut primitive.shape {
+                let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
+                *vertex_normals = Some([60, 63, 66].map(bent));
+            }
+        }
+        self
     }
 
     fn hit(&self, ray: &Ray, span: Interval) -> Option<Hit> {
@@ -187,8 +198,26 @@ pub(crate) fn assert_same_bits(a: &[RadianceSample], b: &[RadianceSample], conte
     }
 }
 
+/// Asserts that the radiance of at most so many rays differs by more than `bound`.
+pub(crate) fn assert_close(a: &[RadianceSample], b: &[RadianceSample], bound: f64, most: usize, context: impl Debug) {
+    let differing = differing(a, b, bound);
+    assert!(a.len() == b.len() && differing.len() <= most, "{context:?}: {differing:?}");
+}
+
+/// Shares of rays whose radiance differs by more than each bound.
+pub(crate) fn shares_of_differences(a: &[RadianceSample], b: &[RadianceSample], bounds: [f64; 2]) -> [f64; 2] {
+    bounds.map(|bound| differing(a, b, bound).len() as f64 / a.len() as f64)
+}
+
+/// Rays whose radiance differs by more than `bound`, or that hit in one of the cases only.
+fn differing(a: &[RadianceSample], b: &[RadianceSample], bound: f64) -> Vec<String> {
+    let differs = |a: &RadianceSample, b: &RadianceSample| !(a.hit == b.hit && difference(a, b) <= bound);
+    let rays = a.iter().zip(b).enumerate().filter(|(_, (a, b))| differs(a, b));
+    rays.map(|(at, (a, b))| format!("ray {at}: {a:?}, {b:?}")).collect()
+}
+
 /// Largest difference of a component, relative to the radiance.
-pub(crate) fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
+fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
     let size = a.radiance.max_component().max(b.radiance.max_component()).max(1e-3);
     (a.radiance - b.radiance).to_array().iter().fold(0.0, |max: f64, c| max.max(c.abs())) / size
 }
