@@ -11,7 +11,7 @@ use crate::{
     hit_context::SurfaceTransmission,
     interior_list::{MediumEntry, MediumInterface},
     lane_set::{Element, LaneSet},
-    lanes::each_lane,
+    lanes::{each_lane, set_color},
     medium::absorb,
 };
 use rt_math::Vector3;
@@ -64,13 +64,9 @@ impl<E: Element> SpawnedRays<E> {
                     self.absorption[lane] = around.absorption;
                     group.absorbed |= 1 << lane;
                     if !core::mem::replace(&mut is_absorbed, true) {
-                        lanes.store(group.weight.x, &mut weight[0]);
-                        lanes.store(group.weight.y, &mut weight[1]);
-                        lanes.store(group.weight.z, &mut weight[2]);
+                        weight = lanes.store_vector(group.weight);
                     }
-                    for (weight, absorbed) in weight.iter_mut().zip(absorbed.to_array()) {
-                        weight[lane] = E::rounded(absorbed);
-                    }
+                    set_color(&mut weight, lane, absorbed);
                 }
             }
             if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {
