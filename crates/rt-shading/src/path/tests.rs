@@ -91,13 +91,16 @@ impl Scene {
         self
     }
 
+    /// Result of [`trace`] for rays that start in air.
+    fn trace(&mut self, settings: PathSettings, rays: &[Ray]) -> (Vec<RadianceSample>, ShadingCounts) {
+        let (lights, bsdfs) = (self.light_set(), BsdfCache::new(&self.appearance, |_| true));
+        let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &bsdfs };
+        trace(&mut self.shapes, lighting, settings, &[InteriorList::default()], rays)
+    }
+
     /// The mean over so many paths from a ray, and its standard error.
     fn estimate(&mut self, settings: PathSettings, ray: Ray, paths: u32) -> (f64, f64) {
-        let lights = self.light_set();
-        let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-        let rays = vec![ray; paths as usize];
-        let (seen, _) = trace(&mut self.shapes, lighting, settings, &[InteriorList::default()], &rays);
-        mean_and_error(&seen)
+        mean_and_error(&self.trace(settings, &vec![ray; paths as usize]).0)
     }
 
     fn assert_shows(&mut self, settings: PathSettings, ray: Ray, truth: f64) {
@@ -215,11 +218,9 @@ fn a_black_light_gets_no_shadow_rays() {
     let light = QuadLight::new(DVec3::new(-0.5, 2.0, -0.5), [DVec3::X, DVec3::Z], emission).expect("a light");
     let material = Material::new(String::new(), diffuse(0.8));
     let mut scene = Scene::new(vec![material], vec![Light::Quad(light)]).with(floor(), 0, None);
-    let lights = scene.light_set();
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays = [0.1, 0.2, 0.3].map(|x| Ray::new(DVec3::new(x, 1.0, 0.3), DVec3::new(0.1, -1.0, 0.2)));
     let settings = PathSettings { max_depth: 2, rr_start_depth: 9, transport: Transport::Full, clamp: Clamp::NONE };
-    let (seen, counts) = trace(&mut scene.shapes, lighting, settings, &[InteriorList::default()], &rays);
+    let (seen, counts) = scene.trace(settings, &rays);
     assert!(seen.iter().all(|seen| seen.radiance.is_black()));
     assert_eq!(counts.shadow_rays_skipped, 3);
 }
@@ -231,10 +232,8 @@ fn a_floor_at_height_zero_is_shaded_in_lanes() {
     let light = QuadLight::new(DVec3::new(-0.5, 2.0, -0.5), [DVec3::X, DVec3::Z], emission).expect("a light");
     let materials = vec![Material::new(String::new(), diffuse(0.8))];
     let mut scene = Scene::new(materials, vec![Light::Quad(light)]).with(floor(), 0, None);
-    let lights = scene.light_set();
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays: Vec<_> = (0..40).map(|i| Ray::new(DVec3::new(0.1 * f64::from(i), 1.0, 0.3), DVec3::NEG_Y)).collect();
-    let (seen, counts) = trace(&mut scene.shapes, lighting, paths(0), &[InteriorList::default()], &rays);
+    let (seen, counts) = scene.trace(paths(0), &rays);
     assert!(seen.iter().all(|seen| !seen.radiance.is_black()));
     assert!((counts.lanes_used, counts.lanes) == (40, 40) || LaneLevel::best().is_none(), "{counts:?}");
 }
