@@ -61,7 +61,7 @@ pub(crate) fn json(outcome: &Outcome<'_>) -> Value {
 }
 
 /// Counts by their names.
-fn named<const N: usize>(counts: [(&'static str, u64); N]) -> Map<String, Value> {
+fn named(counts: impl IntoIterator<Item = (&'static str, u64)>) -> Map<String, Value> {
     counts.into_iter().map(|(name, count)| (name.to_owned(), count.into())).collect()
 }
 

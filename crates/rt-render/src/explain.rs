@@ -1,6 +1,9 @@
 //! Description of a plan: used and omitted features, with reasons.
 
-use std::{collections::BTreeSet, fmt};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_geometry::Shape;
@@ -57,23 +60,16 @@ impl fmt::Display for Explanation {
     }
 }
 
+/// Position of a kind of shape in the list, with its name and plural.
+type ShapeKind = (u8, &'static str, &'static str);
+
+const TRIANGLE: ShapeKind = (3, "single triangle", "single triangles");
+const TRANSFORMED: ShapeKind = (13, "transformed shape", "transformed shapes");
+
 /// Numbers of objects in the flattened world, by kind.
 #[derive(Debug, Default)]
 struct SceneCounts {
-    spheres: usize,
-    boxes: usize,
-    planes: usize,
-    triangles: usize,
-    polygons: usize,
-    cylinders: usize,
-    infinite_cylinders: usize,
-    double_cones: usize,
-    cones: usize,
-    frusta: usize,
-    disks: usize,
-    rectangles: usize,
-    tori: usize,
-    placed: usize,
+    shapes: BTreeMap<ShapeKind, usize>,
     mesh_instances: usize,
     mesh_triangles: usize,
     meshes: usize,
@@ -100,25 +96,30 @@ impl SceneCounts {
         self.plain += usize::from(!instance.textured);
         self.unbounded += usize::from(instance.bounds.is_none());
         self.animated += usize::from(matches!(instance.geometry, InstanceGeometry::Animated(_)));
-        match instance.geometry.static_geometry() {
-            InstanceGeometry::Shape(Shape::Sphere(_)) => self.spheres += 1,
-            InstanceGeometry::Shape(Shape::Cuboid(_)) => self.boxes += 1,
-            InstanceGeometry::Shape(Shape::Plane(_)) => self.planes += 1,
-            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Triangle(_) => self.triangles += 1,
-            InstanceGeometry::Shape(Shape::Polygon(_)) => self.polygons += 1,
-            InstanceGeometry::Shape(Shape::Cylinder(_)) => self.cylinders += 1,
-            InstanceGeometry::Shape(Shape::InfiniteCylinder(_)) => self.infinite_cylinders += 1,
-            InstanceGeometry::Shape(Shape::DoubleCone(_)) => self.double_cones += 1,
-            InstanceGeometry::Shape(Shape::Cone(_)) => self.cones += 1,
-            InstanceGeometry::Shape(Shape::Frustum(_)) => self.frusta += 1,
-            InstanceGeometry::Shape(Shape::Disk(_)) => self.disks += 1,
-            InstanceGeometry::Shape(Shape::Rectangle(_)) => self.rectangles += 1,
-            InstanceGeometry::Shape(Shape::Torus(_)) => self.tori += 1,
-            InstanceGeometry::TransformedShape(_) => self.placed += 1,
-            InstanceGeometry::Mesh(..) => self.mesh_instances += 1,
-            InstanceGeometry::Group(..) => self.group_instances += 1,
-            InstanceGeometry::Animated(_) => {}
-        }
+        let kind = match instance.geometry.static_geometry() {
+            InstanceGeometry::Shape(Shape::Sphere(_)) => (0, "sphere", "spheres"),
+            InstanceGeometry::Shape(Shape::Cuboid(_)) => (1, "box", "boxes"),
+            InstanceGeometry::Shape(Shape::Plane(_)) => (2, "plane", "planes"),
+            InstanceGeometry::Shape(Shape::Triangle(_)) | InstanceGeometry::Triangle(_) => TRIANGLE,
+            InstanceGeometry::Shape(Shape::Polygon(_)) => (4, "polygon", "polygons"),
+            InstanceGeometry::Shape(Shape::Cylinder(_)) => (5, "cylinder", "cylinders"),
+            InstanceGeometry::Shape(Shape::InfiniteCylinder(_)) => (6, "infinite cylinder", "infinite cylinders"),
+            InstanceGeometry::Shape(Shape::DoubleCone(_)) => (7, "double cone", "double cones"),
+            InstanceGeometry::Shape(Shape::Cone(_)) => (8, "cone", "cones"),
+            InstanceGeometry::Shape(Shape::Frustum(_)) => (9, "frustum", "frusta"),
+            InstanceGeometry::Shape(Shape::Disk(_)) => (10, "disk", "disks"),
+            InstanceGeometry::Shape(Shape::Rectangle(_)) => (11, "rectangle", "rectangles"),
+            InstanceGeometry::Shape(Shape::Torus(_)) => (12, "torus", "tori"),
+            InstanceGeometry::TransformedShape(_) => TRANSFORMED,
+            InstanceGeometry::Mesh(..) => return self.mesh_instances += 1,
+            InstanceGeometry::Group(..) => return self.group_instances += 1,
+            InstanceGeometry::Animated(_) => return,
+        };
+        *self.shapes.entry(kind).or_default() += 1;
+    }
+
+    fn of_kind(&self, kind: ShapeKind) -> usize {
+        self.shapes.get(&kind).copied().unwrap_or(0)
     }
 }
 
@@ -159,24 +160,8 @@ impl RenderPlan<'_> {
     }
 
     fn used(&self, counts: &SceneCounts) -> Vec<String> {
-        let kinds = [
-            (counts.spheres, "sphere", "spheres"),
-            (counts.boxes, "box", "boxes"),
-            (counts.planes, "plane", "planes"),
-            (counts.triangles, "single triangle", "single triangles"),
-            (counts.polygons, "polygon", "polygons"),
-            (counts.cylinders, "cylinder", "cylinders"),
-            (counts.infinite_cylinders, "infinite cylinder", "infinite cylinders"),
-            (counts.double_cones, "double cone", "double cones"),
-            (counts.cones, "cone", "cones"),
-            (counts.frusta, "frustum", "frusta"),
-            (counts.disks, "disk", "disks"),
-            (counts.rectangles, "rectangle", "rectangles"),
-            (counts.tori, "torus", "tori"),
-            (counts.placed, "transformed shape", "transformed shapes"),
-        ];
         let mut used: Vec<String> =
-            kinds.iter().filter(|(n, ..)| *n > 0).map(|(n, singular, plural)| count(*n, singular, plural)).collect();
+            counts.shapes.iter().map(|(&(_, singular, plural), n)| count(*n, singular, plural)).collect();
         if counts.mesh_instances > 0 {
             used.push(format!(
                 "{} of {} with {}",
@@ -385,7 +370,7 @@ impl RenderPlan<'_> {
     }
 
     fn left_out(&self, counts: &SceneCounts) -> Vec<LeftOut> {
-        let triangles = counts.triangles + counts.mesh_triangles;
+        let triangles = counts.of_kind(TRIANGLE) + counts.mesh_triangles;
         let whitted = self.integrator_kind() == Integrator::Whitted;
         let lit = !self.scene.appearance.lights.is_empty();
         let n = &self.scene.features;
@@ -393,7 +378,7 @@ impl RenderPlan<'_> {
         let geometry = [
             (triangles == 0, "triangles", "the scene has none"),
             (
-                counts.placed + counts.mesh_instances + counts.group_instances == 0,
+                counts.of_kind(TRANSFORMED) + counts.mesh_instances + counts.group_instances == 0,
                 "transforms",
                 "all shapes are given in world space",
             ),

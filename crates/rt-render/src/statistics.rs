@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Counts and times of one render. Counts are deterministic; times are not.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Camera samples taken.
     pub samples: u64,
@@ -43,20 +43,7 @@ pub struct Statistics {
 impl Statistics {
     /// Statistics before the first sample.
     pub(crate) fn new(threads: usize, build_seconds: f64) -> Self {
-        Self {
-            samples: 0,
-            camera_hits: 0,
-            simple_pixels: 0,
-            counters: Counters::default(),
-            primary_rays_skipped: 0,
-            shading: ShadingCounts::default(),
-            passes: 0,
-            bad_samples: 0,
-            saturated_pixels: 0,
-            threads,
-            build_seconds,
-            render_seconds: 0.0,
-        }
+        Self { threads, build_seconds, ..Self::default() }
     }
 
     /// Adds the counts of a tile.

@@ -3,6 +3,7 @@
 //! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
 //! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.
 
+use crate::lane_set::Element;
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;
 use fearless_simd::{
@@ -27,9 +28,9 @@ pub(crate) type LaneArray = [f64; LANES];
 
 /// Sets the colour of one lane.
 #[inline(always)]
-pub(crate) fn set_color([r, g, b]: &mut [LaneArray; 3], lane: usize, color: Rgb) {
+pub(crate) fn set_color<E: Element>([r, g, b]: &mut [[E; LANES]; 3], lane: usize, color: Rgb) {
     let lane = lane % LANES;
-    (r[lane], g[lane], b[lane]) = (color.r, color.g, color.b);
+    (r[lane], g[lane], b[lane]) = (E::rounded(color.r), E::rounded(color.g), E::rounded(color.b));
 }
 
 /// Instruction set for code in lanes. The results are the same at all levels.

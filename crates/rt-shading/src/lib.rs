@@ -28,7 +28,7 @@
 //! impl SceneQueries for OneSphere {
 //!     fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
 //!         let hit = self.0.intersect(ray, span)?;
-//!         Some(SurfaceHit { t: hit.t, interaction: self.0.surface(ray, &hit, needs), object: 0, material: 0, light: None, casts_shadow: true })
+//!         Some(SurfaceHit::new(hit.t, self.0.surface(ray, &hit, needs), 0, 0))
 //!     }
 //!     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
 //!         self.0.intersect(ray, span).is_some()

@@ -34,8 +34,8 @@ pub use clamp::Clamp;
 use inputs::PathInputs;
 use lane_material::LaneMaterials;
 pub(crate) use path_stream::PrevVertex;
-use rt_geometry::{RayStream, STREAM_CAPACITY};
-use rt_math::{Interval, Ray, Sampler};
+use rt_geometry::RayStream;
+use rt_math::Sampler;
 pub use settings::{Lighting, PathSettings};
 pub use transport::Transport;
 use wave::{PathBatch, PathStreams};
@@ -118,29 +118,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         })
     }
 
-    /// Estimates the radiance of camera rays: `seen[i]` is that of `rays[i]`, whose path uses `samplers[i]`. Entries beyond the
-    /// shortest slice are unchanged. Non-finite scenes give non-finite radiance, which the caller handles.
-    pub fn radiance_of(
-        &mut self,
-        world: &mut impl StreamQueries,
-        lighting: Lighting<'_>,
-        rays: &[(Ray, Interval)],
-        samplers: &[S],
-        seen: &mut [RadianceSample],
-    ) {
-        let mut stream = RayStream::default();
-        let batches = rays.chunks(STREAM_CAPACITY).zip(samplers.chunks(STREAM_CAPACITY));
-        for (number, ((rays, samplers), seen)) in batches.zip(seen.chunks_mut(STREAM_CAPACITY)).enumerate() {
-            let count = rays.len().min(samplers.len()).min(seen.len());
-            stream.clear();
-            rays[..count].iter().for_each(|(ray, span)| stream.push(ray, *span));
-            let (samplers, seen) = (&samplers[..count], &mut seen[..count]);
-            self.trace(world, lighting, (number * STREAM_CAPACITY, &mut stream, samplers, seen));
-        }
-    }
-
-    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost. Does nothing unless `samplers` and `seen` have an
-    /// entry for each ray.
+    /// Estimates the radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`, whose path uses
+    /// `samplers[i]`. Does nothing unless `samplers` and `seen` have an entry for each ray. Non-finite scenes give non-finite radiance,
+    /// which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
@@ -149,18 +129,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         samplers: &[S],
         seen: &mut [RadianceSample],
     ) {
-        if seen.len() == rays.len() && samplers.len() == rays.len() {
-            self.trace(world, lighting, (0, rays, samplers, seen));
+        if seen.len() != rays.len() || samplers.len() != rays.len() {
+            return;
         }
-    }
-
-    /// Traces the paths of camera rays, of which the first has this number in the call.
-    fn trace(
-        &mut self,
-        world: &mut impl StreamQueries,
-        lighting: Lighting<'_>,
-        (first, rays, samplers, seen): (usize, &mut RayStream, &[S], &mut [RadianceSample]),
-    ) {
         let Self { settings, features, materials, surroundings, lanes, has_time, streams } = self;
         *has_time |= rays.has_time();
         if !*has_time {
@@ -169,8 +140,6 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
-        let first_list = if surroundings.len() > 1 { first } else { 0 };
-        let surroundings = surroundings.get(first_list..).unwrap_or_default();
         let batch = PathBatch { rays, samplers, surroundings, seen };
         match streams {
             Streams::F32(streams) => streams.trace(inputs, *lanes, world, batch),

@@ -22,6 +22,11 @@ pub struct SurfaceHit {
 }
 
 impl SurfaceHit {
+    /// Hit of a surface that is no light and casts shadows.
+    pub const fn new(t: f64, interaction: SurfaceInteraction, object: u32, material: u32) -> Self {
+        Self { t, interaction, object, material, light: None, casts_shadow: true }
+    }
+
     /// Interval beyond this hit, for a ray that continues as if the surface were absent.
     ///
     /// The ray is unchanged, so that hits behind it have bit-identical parameters. The interval starts beyond the error bound of the

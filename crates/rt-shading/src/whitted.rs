@@ -30,7 +30,7 @@ use crate::{
 pub use counts::ShadingCounts;
 use inputs::{Settings, TreeInputs};
 use lane_phong::LanePhongs;
-use rt_geometry::{RayStream, STREAM_CAPACITY};
+use rt_geometry::RayStream;
 use rt_math::{Interval, Ray};
 use wave::{TreeBatch, TreeStreams};
 
@@ -115,32 +115,13 @@ impl Whitted {
         let (mut rays, mut seen) = (RayStream::default(), [RadianceSample::MISS]);
         rays.push(ray, Interval::FORWARD);
         let is_f64 = core::mem::replace(&mut self.is_f64, true);
-        self.trace(&mut SingleQueries::new(world), appearance, (0, &mut rays, &mut seen));
+        self.radiance_of_stream(&mut SingleQueries::new(world), appearance, &mut rays, &mut seen);
         self.is_f64 = is_f64;
         seen[0]
     }
 
-    /// Radiance of camera rays: `seen[i]` is that of `rays[i]`. Entries beyond the shorter slice are unchanged. Non-finite scenes
-    /// give non-finite radiance, which the caller handles.
-    pub fn radiance_of(
-        &mut self,
-        world: &mut impl StreamQueries,
-        appearance: &Appearance,
-        rays: &[(Ray, Interval)],
-        seen: &mut [RadianceSample],
-    ) {
-        let mut stream = RayStream::default();
-        let batches = rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY));
-        for (number, (rays, seen)) in batches.enumerate() {
-            stream.clear();
-            rays.iter().take(seen.len()).for_each(|(ray, span)| stream.push(ray, *span));
-            let count = stream.len();
-            self.trace(world, appearance, (number * STREAM_CAPACITY, &mut stream, &mut seen[..count]));
-        }
-    }
-
-    /// Version of [`radiance_of`](Self::radiance_of) for a stream, whose rays are lost. Does nothing unless `seen` has an entry for each
-    /// ray.
+    /// Radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`. Does nothing unless `seen` has an entry for
+    /// each ray. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
@@ -148,18 +129,9 @@ impl Whitted {
         rays: &mut RayStream,
         seen: &mut [RadianceSample],
     ) {
-        if seen.len() == rays.len() {
-            self.trace(world, appearance, (0, rays, seen));
+        if seen.len() != rays.len() {
+            return;
         }
-    }
-
-    /// Traces the trees of camera rays, of which the first has this number in the call.
-    fn trace(
-        &mut self,
-        world: &mut impl StreamQueries,
-        appearance: &Appearance,
-        (first, rays, seen): (usize, &mut RayStream, &mut [RadianceSample]),
-    ) {
         self.has_time |= rays.has_time();
         if !self.has_time {
             // Rays that stages append behind these get no times.
@@ -168,8 +140,6 @@ impl Whitted {
         let Self { settings, phongs, surroundings, lanes, has_time, is_f64, in_f32, in_f64 } = self;
         let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
         let inputs = &TreeInputs { settings, appearance, phongs, has_time: *has_time };
-        let first_list = if surroundings.len() > 1 { first } else { 0 };
-        let surroundings = surroundings.get(first_list..).unwrap_or_default();
         let batch = TreeBatch { rays, surroundings, seen };
         if *is_f64 {
             in_f64.trace(inputs, None, world, batch);

@@ -1,6 +1,8 @@
 //! Exponential functions, logarithms and powers.
 
-use super::parts::{INTEGER_SHIFT, SIGN, fast_two_sum, high_16, high_26, is_between, or_else, polynomial, round};
+use super::parts::{
+    INTEGER_SHIFT, SIGN, elementary, fast_two_sum, high_16, high_26, is_between, or_else, polynomial, round,
+};
 use crate::{F32, Float64, Mask, Real};
 use core::f64::consts::{LN_2, LOG2_E};
 
@@ -62,78 +64,49 @@ const MEANS: [f64; 2] = [0.8926785535678562, 1.118033988749895];
 /// Largest absolute value of the exponent of a power that is computed here.
 const LARGEST_EXPONENT: f64 = (1u128 << 64) as f64;
 
-/// Exponential function. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
-#[inline(always)]
-pub fn exp<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        if x.abs().le(x.splat(700.0)).all() {
-            let (mantissa, n) = exp_unscaled(x);
-            return mantissa * power_of_two(n);
-        }
-        // Outside of these limits the result is 0 or infinite.
-        let (mantissa, n) = exp_unscaled(x.max(x.splat(-750.0)).min(x.splat(750.0)));
-        scale(mantissa, n)
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+elementary! {
+    /// Exponential function. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
+    exp(x) = exp_lanes by map;
+
+    /// 2 to the power of the argument; exact for integers. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
+    exp2(x) = exp2_lanes by map;
+
+    /// Natural logarithm: −∞ for 0, NaN for negative numbers. Error: at most 0.9 ulp.
+    log(x) = log_lanes by map;
+
+    /// Logarithm to base 2: −∞ for 0, NaN for negative numbers; exact for powers of two. Error: at most 0.85 ulp.
+    log2(x) = log2_lanes by map;
+
+    /// `x` to the power of `y`, with the special cases of IEEE 754. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
+    ///
+    /// Powers that are normal `f64` without rounding are returned exactly.
+    pow(x, y) = pow_lanes by map2;
 }
 
-/// 2 to the power of the argument; exact for integers. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
 #[inline(always)]
-pub fn exp2<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
+fn exp_lanes<R: Float64>(x: R) -> R {
+    if x.abs().le(x.splat(700.0)).all() {
+        let (mantissa, n) = exp_unscaled(x);
+        return mantissa * power_of_two(n);
     }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        exp2_of_sum(x, x.splat(0.0))
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+    // Outside of these limits the result is 0 or infinite.
+    let (mantissa, n) = exp_unscaled(x.max(x.splat(-750.0)).min(x.splat(750.0)));
+    scale(mantissa, n)
 }
 
-/// Natural logarithm: −∞ for 0, NaN for negative numbers. Error: at most 0.9 ulp.
 #[inline(always)]
-pub fn log<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        or_else(
-            is_normal(x),
-            #[inline(always)]
-            || Logarithm::new(x).natural(),
-            #[inline(always)]
-            || x.map(libm::log),
-        )
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+fn exp2_lanes<R: Float64>(x: R) -> R {
+    exp2_of_sum(x, x.splat(0.0))
 }
 
-/// Logarithm to base 2: −∞ for 0, NaN for negative numbers; exact for powers of two. Error: at most 0.85 ulp.
 #[inline(always)]
-pub fn log2<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        or_else(
-            is_normal(x),
-            #[inline(always)]
-            || Logarithm::new(x).binary(),
-            #[inline(always)]
-            || x.map(libm::log2),
-        )
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+fn log_lanes<R: Float64>(x: R) -> R {
+    or_else!(is_normal(x), Logarithm::new(x).natural(), x.map(libm::log))
+}
+
+#[inline(always)]
+fn log2_lanes<R: Float64>(x: R) -> R {
+    or_else!(is_normal(x), Logarithm::new(x).binary(), x.map(libm::log2))
 }
 
 /// A [`Real`] number with powers of real exponents.
@@ -156,31 +129,14 @@ impl Pow for F32 {
     }
 }
 
-/// `x` to the power of `y`, with the special cases of IEEE 754. Error: at most 0.8 ulp; 1 ulp where the result is subnormal.
-///
-/// Powers that are normal `f64` without rounding are returned exactly.
 #[inline(always)]
-pub fn pow<R: Float64>(x: R, y: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64, y: f64) -> f64 {
-        lanes(x, y)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R, y: R) -> R {
-        let (zero, one) = (x.splat(0.0), x.splat(1.0));
-        // Powers of +0 with a positive exponent are 0.
-        let is_zero = R::select(x.eq(zero), y.min(one.copysign(x)), zero).gt(zero);
-        let base = R::select(is_zero, one, x);
-        let is_inside = R::select(is_normal(base), y.abs(), x.splat(f64::INFINITY)).le(x.splat(LARGEST_EXPONENT));
-        or_else(
-            is_inside,
-            #[inline(always)]
-            || R::select(is_zero, zero, pow_normal(base, y)),
-            #[inline(always)]
-            || x.map2(y, libm::pow),
-        )
-    }
-    if R::IS_SCALAR { x.map2(y, scalar) } else { lanes(x, y) }
+fn pow_lanes<R: Float64>(x: R, y: R) -> R {
+    let (zero, one) = (x.splat(0.0), x.splat(1.0));
+    // Powers of +0 with a positive exponent are 0.
+    let is_zero = R::select(x.eq(zero), y.min(one.copysign(x)), zero).gt(zero);
+    let base = R::select(is_zero, one, x);
+    let is_inside = R::select(is_normal(base), y.abs(), x.splat(f64::INFINITY)).le(x.splat(LARGEST_EXPONENT));
+    or_else!(is_inside, R::select(is_zero, zero, pow_normal(base, y)), x.map2(y, libm::pow))
 }
 
 /// Power of a positive normal number, for exponents up to [`LARGEST_EXPONENT`].

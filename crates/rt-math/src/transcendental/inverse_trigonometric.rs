@@ -1,6 +1,6 @@
 //! Inverse functions of sine, cosine and tangent.
 
-use super::parts::{fast_two_sum, high_26, is_between, or_else, polynomial};
+use super::parts::{elementary, fast_two_sum, high_26, is_between, or_else, polynomial};
 use crate::{Float64, Mask};
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -53,57 +53,41 @@ const fn power_of_two(n: i64) -> f64 {
     f64::from_bits(((1023 + n) as u64) << 52)
 }
 
-/// Arctangent, from −π/2 to π/2. Error: at most 0.8 ulp.
-#[inline(always)]
-pub fn atan<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        let size = x.abs();
-        if size.le(x.splat(TAN_PI_8)).all() {
-            // These are the bits of `angle`, too, because dividing by 1 leaves no remainder.
-            let z = x * x;
-            return (x + x * (z * polynomial(z, ARCTANGENT))).copysign(x);
-        }
-        let size = R::select(size.eq(x.splat(0.0)), x.splat(1.0), size);
-        let is_inside = is_between(size, SIZES[0], SIZES[1]);
-        or_else(
-            is_inside,
-            #[inline(always)]
-            || angle(x.splat(1.0), x),
-            #[inline(always)]
-            || x.map(libm::atan),
-        )
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+elementary! {
+    /// Arctangent, from −π/2 to π/2. Error: at most 0.8 ulp.
+    atan(x) = atan_lanes by map;
+
+    /// Angle of the vector (x, y) with the x axis, from −π to π; the second argument is x. Error: at most 0.8 ulp.
+    ///
+    /// The signs of zeros count, as IEEE 754 specifies: `atan2(0, -0)` is π.
+    atan2(y, x) = atan2_lanes by map2;
+
+    /// Arc cosine, from 0 to π; NaN outside of −1 to 1. Error: at most 0.8 ulp.
+    acos(x) = acos_lanes by map;
+
+    /// Arc sine, from −π/2 to π/2; NaN outside of −1 to 1. Error: at most 0.8 ulp.
+    asin(x) = asin_lanes by map;
 }
 
-/// Angle of the vector (x, y) with the x axis, from −π to π; the second argument is x. Error: at most 0.8 ulp.
-///
-/// The signs of zeros count, as IEEE 754 specifies: `atan2(0, -0)` is π.
 #[inline(always)]
-pub fn atan2<R: Float64>(y: R, x: R) -> R {
-    #[inline(never)]
-    fn scalar(y: f64, x: f64) -> f64 {
-        lanes(y, x)
+fn atan_lanes<R: Float64>(x: R) -> R {
+    let size = x.abs();
+    if size.le(x.splat(TAN_PI_8)).all() {
+        // These are the bits of `angle`, too, because dividing by 1 leaves no remainder.
+        let z = x * x;
+        return (x + x * (z * polynomial(z, ARCTANGENT))).copysign(x);
     }
-    #[inline(always)]
-    fn lanes<R: Float64>(y: R, x: R) -> R {
-        let (smaller, greater) = sorted_sizes(x, y);
-        let nonzero = R::select(smaller.eq(x.splat(0.0)), greater, smaller);
-        let is_inside = R::select(nonzero.ge(x.splat(SIZES[0])), greater, x.splat(f64::INFINITY)).le(x.splat(SIZES[1]));
-        or_else(
-            is_inside,
-            #[inline(always)]
-            || angle(x, y),
-            #[inline(always)]
-            || y.map2(x, libm::atan2),
-        )
-    }
-    if R::IS_SCALAR { y.map2(x, scalar) } else { lanes(y, x) }
+    let size = R::select(size.eq(x.splat(0.0)), x.splat(1.0), size);
+    let is_inside = is_between(size, SIZES[0], SIZES[1]);
+    or_else!(is_inside, angle(x.splat(1.0), x), x.map(libm::atan))
+}
+
+#[inline(always)]
+fn atan2_lanes<R: Float64>(y: R, x: R) -> R {
+    let (smaller, greater) = sorted_sizes(x, y);
+    let nonzero = R::select(smaller.eq(x.splat(0.0)), greater, smaller);
+    let is_inside = R::select(nonzero.ge(x.splat(SIZES[0])), greater, x.splat(f64::INFINITY)).le(x.splat(SIZES[1]));
+    or_else!(is_inside, angle(x, y), y.map2(x, libm::atan2))
 }
 
 /// The smaller and the greater absolute value; at least one is NaN if one of the arguments is.
@@ -149,42 +133,24 @@ fn angle<R: Float64>(x: R, y: R) -> R {
     (sum + (error + (eighths * FRAC_PI_4_LOW + rest * sign))).copysign(y)
 }
 
-/// Arc cosine, from 0 to π; NaN outside of −1 to 1. Error: at most 0.8 ulp.
 #[inline(always)]
-pub fn acos<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        // π/2 − asin x, or 2 asin √((1 − x)/2), or π − 2 asin √((1 + x)/2).
-        let Arcsine { big, high, low } = Arcsine::new(x.abs());
-        let sign_of_x = x.splat(1.0).copysign(x);
-        let quarters = -(big * sign_of_x) + 1.0;
-        let sign = (big * 2.0 - 1.0) * sign_of_x;
-        let (sum, error) = fast_two_sum(quarters * FRAC_PI_2, high * sign);
-        sum + (error + (quarters * FRAC_PI_2_LOW + low * sign))
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+fn acos_lanes<R: Float64>(x: R) -> R {
+    // π/2 − asin x, or 2 asin √((1 − x)/2), or π − 2 asin √((1 + x)/2).
+    let Arcsine { big, high, low } = Arcsine::new(x.abs());
+    let sign_of_x = x.splat(1.0).copysign(x);
+    let quarters = -(big * sign_of_x) + 1.0;
+    let sign = (big * 2.0 - 1.0) * sign_of_x;
+    let (sum, error) = fast_two_sum(quarters * FRAC_PI_2, high * sign);
+    sum + (error + (quarters * FRAC_PI_2_LOW + low * sign))
 }
 
-/// Arc sine, from −π/2 to π/2; NaN outside of −1 to 1. Error: at most 0.8 ulp.
 #[inline(always)]
-pub fn asin<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        // asin |x|, or π/2 − 2 asin √((1 − |x|)/2).
-        let Arcsine { big, high, low } = Arcsine::new(x.abs());
-        let sign = big * -2.0 + 1.0;
-        let (sum, error) = fast_two_sum(big * FRAC_PI_2, high * sign);
-        (sum + (error + (big * FRAC_PI_2_LOW + low * sign))).copysign(x)
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+fn asin_lanes<R: Float64>(x: R) -> R {
+    // asin |x|, or π/2 − 2 asin √((1 − |x|)/2).
+    let Arcsine { big, high, low } = Arcsine::new(x.abs());
+    let sign = big * -2.0 + 1.0;
+    let (sum, error) = fast_two_sum(big * FRAC_PI_2, high * sign);
+    (sum + (error + (big * FRAC_PI_2_LOW + low * sign))).copysign(x)
 }
 
 /// Sum `high + low`: asin a for a ≤ 1/2, and acos a = 2 asin √((1 − a)/2) above.

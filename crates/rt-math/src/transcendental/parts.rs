@@ -65,11 +65,44 @@ pub(super) fn is_between<R: Float64>(x: R, low: f64, high: f64) -> R::Mask {
     x.max(x.splat(low)).min(x.splat(high)).eq(x)
 }
 
-/// `inside` where the mask is true, and a function of single numbers elsewhere, which is called only if needed.
+/// Defines functions by their versions for lanes. Those for one number are not inlined.
+macro_rules! elementary {
+    ($($(#[$doc:meta])* $name:ident($x:ident $(, $y:ident)?) = $lanes:ident by $map:ident;)*) => {
+        $($(#[$doc])*
+        #[inline(always)]
+        pub fn $name<R: Float64>($x: R $(, $y: R)?) -> R {
+            #[inline(never)]
+            fn scalar($x: f64 $(, $y: f64)?) -> f64 {
+                $lanes($x $(, $y)?)
+            }
+            if R::IS_SCALAR { $x.$map($($y,)? scalar) } else { $lanes($x $(, $y)?) }
+        })*
+    };
+}
+pub(super) use elementary;
+
+/// The first value where the mask is true, and a function of single numbers elsewhere, which is called only if needed.
 ///
-/// Callers always inline their closures. A closure by itself is compiled without the instruction set of the lanes.
+/// Closures are always inlined. A closure by itself is compiled without the instruction set of the lanes.
+macro_rules! or_else {
+    ($is_inside:expr, $inside:expr, $outside:expr) => {
+        super::parts::select_or_else(
+            $is_inside,
+            #[inline(always)]
+            || $inside,
+            #[inline(always)]
+            || $outside,
+        )
+    };
+}
+pub(super) use or_else;
+
 #[inline(always)]
-pub(super) fn or_else<R: Float64>(is_inside: R::Mask, inside: impl FnOnce() -> R, outside: impl FnOnce() -> R) -> R {
+pub(super) fn select_or_else<R: Float64>(
+    is_inside: R::Mask,
+    inside: impl FnOnce() -> R,
+    outside: impl FnOnce() -> R,
+) -> R {
     if R::IS_SCALAR {
         return if is_inside.all() { inside() } else { outside() };
     }

@@ -1,6 +1,6 @@
 //! Sine and cosine.
 
-use super::parts::{INTEGER_SHIFT, SIGN, choose, fast_two_sum, or_else, polynomial};
+use super::parts::{INTEGER_SHIFT, SIGN, choose, elementary, fast_two_sum, or_else, polynomial};
 use crate::{Float64, Mask, float::two_sum};
 use core::f64::consts::FRAC_2_PI;
 
@@ -40,44 +40,22 @@ const COSINE: [f64; 6] = [
     -1.1359914631961962e-11,
 ];
 
-/// Sine; NaN if the argument is not finite. Error: at most 0.85 ulp.
-#[inline(always)]
-pub fn sin<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        or_else(
-            is_inside(x),
-            #[inline(always)]
-            || Reduced::new(x).sin(x),
-            #[inline(always)]
-            || x.map(libm::sin),
-        )
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+elementary! {
+    /// Sine; NaN if the argument is not finite. Error: at most 0.85 ulp.
+    sin(x) = sin_lanes by map;
+
+    /// Cosine; NaN if the argument is not finite. Error: at most 0.85 ulp.
+    cos(x) = cos_lanes by map;
 }
 
-/// Cosine; NaN if the argument is not finite. Error: at most 0.85 ulp.
 #[inline(always)]
-pub fn cos<R: Float64>(x: R) -> R {
-    #[inline(never)]
-    fn scalar(x: f64) -> f64 {
-        lanes(x)
-    }
-    #[inline(always)]
-    fn lanes<R: Float64>(x: R) -> R {
-        or_else(
-            is_inside(x),
-            #[inline(always)]
-            || Reduced::new(x).cos(),
-            #[inline(always)]
-            || x.map(libm::cos),
-        )
-    }
-    if R::IS_SCALAR { x.map(scalar) } else { lanes(x) }
+fn sin_lanes<R: Float64>(x: R) -> R {
+    or_else!(is_inside(x), Reduced::new(x).sin(x), x.map(libm::sin))
+}
+
+#[inline(always)]
+fn cos_lanes<R: Float64>(x: R) -> R {
+    or_else!(is_inside(x), Reduced::new(x).cos(), x.map(libm::cos))
 }
 
 /// Sine and cosine, bit-identical to [`sin`] and [`cos`].
@@ -89,22 +67,7 @@ pub fn sincos<R: Float64>(x: R) -> (R, R) {
     let is_odd = is_odd::<R>(quadrant);
     let sine = flip_sign(R::select(is_odd, cos_r, sin_r), quadrant ^ x.to_bits());
     let cosine = flip_sign(R::select(is_odd, sin_r, cos_r), reduced.quadrant(1.0));
-    (
-        or_else(
-            is_inside(x),
-            #[inline(always)]
-            || sine,
-            #[inline(always)]
-            || x.map(libm::sin),
-        ),
-        or_else(
-            is_inside(x),
-            #[inline(always)]
-            || cosine,
-            #[inline(always)]
-            || x.map(libm::cos),
-        ),
-    )
+    (or_else!(is_inside(x), sine, x.map(libm::sin)), or_else!(is_inside(x), cosine, x.map(libm::cos)))
 }
 
 /// True for arguments up to [`LARGEST`].

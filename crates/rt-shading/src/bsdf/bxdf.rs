@@ -22,19 +22,11 @@ macro_rules! lobes {
         })*
 
         impl Bxdf {
-            /// Implements [`super::Bsdf::eval`].
+            /// Implements [`super::Bsdf::eval_with_pdf`].
             #[inline]
-            pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+            pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
                 match self {
-                    $(Self::$name(model) => model.eval(wo, wi),)*
-                }
-            }
-
-            /// Implements [`super::Bsdf::pdf`].
-            #[inline]
-            pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-                match self {
-                    $(Self::$name(model) => model.pdf(wo, wi),)*
+                    $(Self::$name(model) => model.eval_with_pdf(wo, wi),)*
                 }
             }
 
@@ -71,15 +63,6 @@ lobes! {
 }
 
 impl Bxdf {
-    /// Implements [`super::Bsdf::eval_with_pdf`].
-    #[inline]
-    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
-        match self {
-            Self::Phong(phong) => phong.eval_with_pdf(wo, wi),
-            lobe => (lobe.eval(wo, wi), lobe.pdf(wo, wi)),
-        }
-    }
-
     /// True if all lobes are delta distributions.
     pub fn is_delta(&self) -> bool {
         match self {

@@ -87,20 +87,13 @@ impl Conductor {
         Ggx::from_roughness(self.roughness).is_none()
     }
 
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+    /// Implements [`super::Bsdf::eval_with_pdf`]. Reflections below the surface are missing from the density.
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         let Some((facets, (wo, wi))) = Ggx::from_roughness(self.roughness).zip(same_side(wo, wi)) else {
-            return Rgb::BLACK;
+            return (Rgb::BLACK, 0.0);
         };
         let m = (wo + wi).normalize_or(DVec3::Z);
-        self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m)
-    }
-
-    /// Implements [`super::Bsdf::pdf`]. Reflections below the surface are missing.
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let facets_and_directions = Ggx::from_roughness(self.roughness).zip(same_side(wo, wi));
-        facets_and_directions
-            .map_or(0.0, |(facets, (wo, wi))| facets.reflection_pdf(wo, (wo + wi).normalize_or(DVec3::Z)))
+        (self.ior.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m), facets.reflection_pdf(wo, m))
     }
 
     /// Implements [`super::Bsdf::sample`]; the weight is at most 1.

@@ -53,28 +53,19 @@ impl Dielectric {
         self.facets().is_none()
     }
 
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let Some((interface, facets)) = self.interface(wo).zip(self.facets()) else {
-            return Rgb::BLACK;
+    /// Implements [`super::Bsdf::eval_with_pdf`].
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        let scattered = || {
+            let (interface, facets) = self.interface(wo).zip(self.facets())?;
+            let (wo, wi) = seen_from(wo, wi)?;
+            let m = interface.half_vector(wo, wi)?;
+            Some(if wi.z > 0.0 {
+                (interface.reflected(facets, wo, wi, m), interface.reflected_pdf(facets, wo, m))
+            } else {
+                (interface.transmitted(facets, wo, wi, m), interface.transmitted_pdf(facets, wo, wi, m))
+            })
         };
-        seen_from(wo, wi).map_or(Rgb::BLACK, |(wo, wi)| match interface.half_vector(wo, wi) {
-            Some(m) if wi.z > 0.0 => interface.reflected(facets, wo, wi, m),
-            Some(m) => interface.transmitted(facets, wo, wi, m),
-            None => Rgb::BLACK,
-        })
-    }
-
-    /// Implements [`super::Bsdf::pdf`].
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let Some((interface, facets)) = self.interface(wo).zip(self.facets()) else {
-            return 0.0;
-        };
-        seen_from(wo, wi).map_or(0.0, |(wo, wi)| match interface.half_vector(wo, wi) {
-            Some(m) if wi.z > 0.0 => interface.reflected_pdf(facets, wo, m),
-            Some(m) => interface.transmitted_pdf(facets, wo, wi, m),
-            None => 0.0,
-        })
+        scattered().unwrap_or((Rgb::BLACK, 0.0))
     }
 
     /// Implements [`super::Bsdf::sample`].

@@ -31,21 +31,13 @@ impl DispersiveDielectric {
         (0..3).all(|index| self.channel(index).is_smooth())
     }
 
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+    /// Implements [`super::Bsdf::eval_with_pdf`].
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         if self.is_plain() {
-            return self.channel(0).eval(wo, wi);
+            return self.channel(0).eval_with_pdf(wo, wi);
         }
-        let [r, g, b] = [0, 1, 2].map(|index| self.channel(index).eval(wo, wi));
-        Rgb::new(r.r, g.g, b.b)
-    }
-
-    /// Implements [`super::Bsdf::pdf`].
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        if self.is_plain() {
-            return self.channel(0).pdf(wo, wi);
-        }
-        (0..3).map(|index| self.channel(index).pdf(wo, wi)).sum::<f64>() / 3.0
+        let [r, g, b] = [0, 1, 2].map(|index| self.channel(index).eval_with_pdf(wo, wi));
+        (Rgb::new(r.0.r, g.0.g, b.0.b), (r.1 + g.1 + b.1) / 3.0)
     }
 
     /// Implements [`super::Bsdf::sample_along`]. Rough glass follows all channels with equal probability, so that its density does
@@ -57,7 +49,8 @@ impl DispersiveDielectric {
         let (index, probability, within) = choose(if self.is_smooth() { throughput } else { Rgb::WHITE }, u[0]);
         let sample = self.channel(index).sample(wo, [within, u[1], u[2]])?;
         if !sample.is_delta {
-            return BsdfSample { value: self.eval(wo, sample.wi), pdf: self.pdf(wo, sample.wi), ..sample }.if_finite();
+            let (value, pdf) = self.eval_with_pdf(wo, sample.wi);
+            return BsdfSample { value, pdf, ..sample }.if_finite();
         }
         // Channels are refracted to different directions, so that the sample carries one of them.
         let value = Rgb::from(core::array::from_fn(|k| {

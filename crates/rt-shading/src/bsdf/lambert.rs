@@ -15,16 +15,10 @@ pub struct Lambert {
 }
 
 impl Lambert {
-    /// Implements [`super::Bsdf::eval`].
+    /// Implements [`super::Bsdf::eval_with_pdf`]; the density is cos θ(wi) / π.
     #[inline]
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        same_side(wo, wi).map_or(Rgb::BLACK, |_| self.albedo * FRAC_1_PI)
-    }
-
-    /// Implements [`super::Bsdf::pdf`]: cos θ(wi) / π.
-    #[inline]
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        same_side(wo, wi).map_or(0.0, |(_, wi)| cosine_pdf(wi))
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        same_side(wo, wi).map_or((Rgb::BLACK, 0.0), |(_, wi)| (self.albedo * FRAC_1_PI, cosine_pdf(wi)))
     }
 
     /// Implements [`super::Bsdf::sample`]; the weight is the albedo.

@@ -99,32 +99,19 @@ impl Layered {
         glass: None,
     };
 
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        match &self.glass {
-            None => self.eval_layers(wo, wi),
-            Some((share, glass)) => self.eval_layers(wo, wi) * (1.0 - share) + glass.eval(wo, wi) * *share,
-        }
+    /// Implements [`super::Bsdf::eval_with_pdf`].
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        let (layers, layers_pdf) = self.eval_layers_with_pdf(wo, wi);
+        let Some((share, glass)) = &self.glass else { return (layers, layers_pdf) };
+        let (glass, glass_pdf) = glass.eval_with_pdf(wo, wi);
+        (layers * (1.0 - share) + glass * *share, layers_pdf * (1.0 - share) + glass_pdf * share)
     }
 
-    fn eval_layers(&self, wo: DVec3, wi: DVec3) -> Rgb {
+    fn eval_layers_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         let is_above = wo.z > 0.0;
-        let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return Rgb::BLACK };
-        LayeredView::new(self, wo, is_above).value(wi)
-    }
-
-    /// Implements [`super::Bsdf::pdf`].
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        match &self.glass {
-            None => self.pdf_of_layers(wo, wi),
-            Some((share, glass)) => self.pdf_of_layers(wo, wi) * (1.0 - share) + glass.pdf(wo, wi) * share,
-        }
-    }
-
-    fn pdf_of_layers(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let is_above = wo.z > 0.0;
-        let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return 0.0 };
-        LayeredView::new(self, wo, is_above).density(wi)
+        let Some((wo, wi)) = seen_from(self.turned(wo), self.turned(wi)) else { return (Rgb::BLACK, 0.0) };
+        let view = LayeredView::new(self, wo, is_above);
+        (view.value(wi), view.density(wi))
     }
 
     /// Implements [`super::Bsdf::sample_along`].
@@ -140,7 +127,7 @@ impl Layered {
         let (value, pdf) = if sample.is_delta {
             (sample.value * probability, sample.pdf * probability)
         } else {
-            (self.eval(wo, sample.wi), self.pdf(wo, sample.wi))
+            self.eval_with_pdf(wo, sample.wi)
         };
         BsdfSample { value, pdf, ..sample }.if_finite()
     }

@@ -50,14 +50,11 @@ pub struct MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        same_side(wo, wi).map_or(Rgb::BLACK, |(wo, wi)| self.value(wo, wi, (wo + wi).normalize_or(DVec3::Z)))
-    }
-
-    /// Implements [`super::Bsdf::pdf`].
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        same_side(wo, wi).map_or(0.0, |(wo, wi)| self.density(wo, wi, (wo + wi).normalize_or(DVec3::Z)))
+    /// Implements [`super::Bsdf::eval_with_pdf`].
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        let Some((wo, wi)) = same_side(wo, wi) else { return (Rgb::BLACK, 0.0) };
+        let m = (wo + wi).normalize_or(DVec3::Z);
+        (self.value(wo, wi, m), self.density(wo, wi, m))
     }
 
     /// Implements [`super::Bsdf::sample`].

@@ -76,16 +76,6 @@ impl Mix {
         Self::new(&kept[..count]).ok()
     }
 
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        self.lobes().iter().fold(Rgb::BLACK, |sum, (weight, lobe)| sum + lobe.eval(wo, wi) * *weight)
-    }
-
-    /// Implements [`super::Bsdf::pdf`].
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.lobes().iter().zip(self.probabilities).map(|((_, lobe), probability)| probability * lobe.pdf(wo, wi)).sum()
-    }
-
     /// Implements [`super::Bsdf::eval_with_pdf`].
     pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         self.lobes().iter().zip(self.probabilities).fold(

@@ -12,7 +12,8 @@
 //! ```
 //!
 //! All directions are unit vectors that leave the surface, in shading coordinates: the normal is +z, towards the outside
-//! of a solid. [`rt_math::Frame`] converts. Each model has three functions:
+//! of a solid. [`rt_math::Frame`] converts. [`Bsdf`] has three functions. Its models return the first two together, as
+//! `eval_with_pdf`:
 //!
 //! | function | returns | for directions it never scatters to |
 //! |---|---|---|
@@ -172,21 +173,13 @@ impl Bsdf {
     /// f(wo, wi), without the cosine, in 1/sr.
     #[inline]
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        match self {
-            Self::Single(lobe) => lobe.eval(wo, wi),
-            Self::Mix(mix) => mix.eval(wo, wi),
-            Self::Layered(layered) => layered.eval(wo, wi),
-        }
+        self.eval_with_pdf(wo, wi).0
     }
 
     /// Density of [`Bsdf::sample`] over solid angle, in 1/sr.
     #[inline]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        match self {
-            Self::Single(lobe) => lobe.pdf(wo, wi),
-            Self::Mix(mix) => mix.pdf(wo, wi),
-            Self::Layered(layered) => layered.pdf(wo, wi),
-        }
+        self.eval_with_pdf(wo, wi).1
     }
 
     /// Results of [`eval`](Self::eval) and [`pdf`](Self::pdf), which share work.
@@ -195,7 +188,7 @@ impl Bsdf {
         match self {
             Self::Single(lobe) => lobe.eval_with_pdf(wo, wi),
             Self::Mix(mix) => mix.eval_with_pdf(wo, wi),
-            Self::Layered(layered) => (layered.eval(wo, wi), layered.pdf(wo, wi)),
+            Self::Layered(layered) => layered.eval_with_pdf(wo, wi),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Rough diffuse reflection.
 
 use super::{
-    BsdfSample, Lambert,
+    BsdfSample,
     lambert::{cosine_hemisphere, cosine_pdf},
     side::{Side, same_side},
 };
@@ -36,14 +36,9 @@ const C1: f64 = 0.5 - 2.0 / (3.0 * PI);
 const C2: f64 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
 
 impl OrenNayar {
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        same_side(wo, wi).map_or(Rgb::BLACK, |(wo, wi)| self.value(wo, wi))
-    }
-
-    /// Implements [`super::Bsdf::pdf`]: cos θ(wi) / π.
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        Lambert { albedo: self.albedo }.pdf(wo, wi)
+    /// Implements [`super::Bsdf::eval_with_pdf`]; the density is cos θ(wi) / π.
+    pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
+        same_side(wo, wi).map_or((Rgb::BLACK, 0.0), |(wo, wi)| (self.value(wo, wi), cosine_pdf(wi)))
     }
 
     /// Implements [`super::Bsdf::sample`].
@@ -67,7 +62,7 @@ impl OrenNayar {
     }
 }
 
-/// f of [`OrenNayar`] for directions above the surface, for one number or for lanes. Roughness 0 has the bits of [`Lambert`].
+/// f of [`OrenNayar`] for directions above the surface, for one number or for lanes. Roughness 0 has the bits of [`super::Lambert`].
 #[inline(always)]
 pub(crate) fn oren_nayar_lanes<R: Float64>(
     albedo: Vector3<R>,

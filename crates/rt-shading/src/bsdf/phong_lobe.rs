@@ -23,17 +23,7 @@ pub struct PhongLobe {
 const MAX_EXPONENT: f64 = 1e12;
 
 impl PhongLobe {
-    /// Implements [`super::Bsdf::eval`].
-    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        self.eval_with_pdf(wo, wi).0
-    }
-
-    /// Implements [`super::Bsdf::pdf`]: (n + 1)/2π · cosⁿ α. The part below the surface is missing.
-    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.eval_with_pdf(wo, wi).1
-    }
-
-    /// Implements [`super::Bsdf::eval_with_pdf`].
+    /// Implements [`super::Bsdf::eval_with_pdf`]; the density is (n + 1)/2π · cosⁿ α. The part below the surface is missing.
     pub fn eval_with_pdf(&self, wo: DVec3, wi: DVec3) -> (Rgb, f64) {
         same_side(wo, wi).map_or((Rgb::BLACK, 0.0), |(wo, wi)| self.value_with_pdf(reflect_dir(wo).dot(wi)))
     }

@@ -16,14 +16,9 @@ pub struct SpecularTransmission {
 }
 
 impl SpecularTransmission {
-    /// Implements [`super::Bsdf::eval`]: black.
-    pub fn eval(&self, _: DVec3, _: DVec3) -> Rgb {
-        Rgb::BLACK
-    }
-
-    /// Implements [`super::Bsdf::pdf`]: 0.
-    pub fn pdf(&self, _: DVec3, _: DVec3) -> f64 {
-        0.0
+    /// Implements [`super::Bsdf::eval_with_pdf`]: black and 0.
+    pub fn eval_with_pdf(&self, _: DVec3, _: DVec3) -> (Rgb, f64) {
+        (Rgb::BLACK, 0.0)
     }
 
     /// Implements [`super::Bsdf::sample`]: the refracted direction, of weight `transmittance`.

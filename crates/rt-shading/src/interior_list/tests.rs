@@ -16,7 +16,7 @@ fn materials(priorities: &[i32]) -> Vec<Material> {
 
 fn hit(object: u32, material: u32) -> SurfaceHit {
     let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2]);
-    SurfaceHit { t: 1.0, interaction, object, material, light: None, casts_shadow: true }
+    SurfaceHit::new(1.0, interaction, object, material)
 }
 
 /// Crosses a surface. Returns the indices of refraction on both sides, or `None` if it is ignored.

@@ -14,7 +14,7 @@ use crate::{
     lanes::{LANES, LaneArray, each_lane, set_color},
     light::LightId,
     stream_queries::StreamQueries,
-    wavefront::gathered_shapes::GatheredShapes,
+    wavefront::{gathered_shapes::GatheredShapes, streams::attenuated},
 };
 use rt_geometry::{HitStream, SurfaceInteraction};
 use rt_math::{Rgb, Vector3};
@@ -124,42 +124,22 @@ pub(super) struct Gathered<E: Element> {
 }
 
 impl<E: Element> Gathered<E> {
-    /// Transmittances of the media of rough glass along these distances, in the lanes of a mask. Those of `below` are lit through the medium
-    /// behind the surface. The end of the medium towards a light at infinity is unknown: such light is not attenuated.
-    #[inline(never)]
-    fn transmittances(&self, distances: &LaneArray, mask: u8, below: u8) -> [[E; LANES]; 3] {
-        let mut transmittances = [[E::rounded(1.0); LANES]; 3];
-        for lane in each_lane(mask) {
-            let Some(interface) = &self.interfaces[lane] else { continue };
-            let medium = if below >> lane & 1 == 1 { &interface.after } else { &interface.before };
-            if distances[lane].is_finite() {
-                let of_lane = medium.transmittance(distances[lane]).to_array();
-                for (to, component) in transmittances.iter_mut().zip(of_lane) {
-                    to[lane] = E::rounded(component);
-                }
-            }
-        }
-        transmittances
-    }
-
-    /// Light that some lanes scatter, attenuated by the media of rough glass as by [`transmittances`](Self::transmittances).
-    #[inline(never)]
+    /// Light that the lanes of a mask scatter, attenuated by the media of rough glass. Lanes of `below` are lit through the medium behind
+    /// the surface. The end of the medium towards a light at infinity is unknown: such light is not attenuated.
     pub(super) fn attenuated<L: LaneSet<Element = E>>(
         &self,
         lanes: L,
-        (radiance, distance): &(Vector3<L::F>, L::D),
+        light: &(Vector3<L::F>, L::D),
         mask: u8,
         below: u8,
     ) -> Vector3<L::F> {
-        lanes.vectorize(
-            #[inline(always)]
-            || {
-                let mut distances = [0.0; LANES];
-                lanes.store_f64(*distance, &mut distances);
-                let [r, g, b] = &self.transmittances(&distances, mask, below);
-                radiance.scaled_by(Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b)))
-            },
-        )
+        attenuated(lanes, light, mask, |lane, distance| {
+            let Some(interface) = self.interfaces[lane & 7].as_ref().filter(|_| distance.is_finite()) else {
+                return Rgb::WHITE;
+            };
+            let medium = if below >> lane & 1 == 1 { &interface.after } else { &interface.before };
+            medium.transmittance(distance)
+        })
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{
     hit_context::SurfaceTransmission,
     interior_list::MediumEntry,
     lane_set::{Element, LaneSet},
-    lanes::{LaneArray, each_lane},
+    lanes::{LaneArray, each_lane, set_color},
     wavefront::hit_points::HitPoints,
 };
 
@@ -39,8 +39,7 @@ impl<E: Element> SpawnedPaths<E> {
             let interface = interface.as_ref();
             let Some(interface) = interface.filter(|_| solid.is_visible(material, interface)) else {
                 let MediumEntry { object, material } = body;
-                let interaction = points.surface(lanes, lane);
-                let hit = SurfaceHit { t: t[lane], interaction, object, material, light: None, casts_shadow: true };
+                let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 let path = HitPath { wave, at, sample, throughput: light, interface };
                 self.skip_interface(inputs, path, &hit, length[lane], &mut seen[sample as usize]);
                 continue;
@@ -50,9 +49,7 @@ impl<E: Element> SpawnedPaths<E> {
                 let mut light = light;
                 tracker.absorb(materials, Some(interface), t[lane], length[lane], &mut light);
                 self.gathered.absorbed |= 1 << lane;
-                for (to, component) in self.gathered.dimmed.iter_mut().zip(light.to_array()) {
-                    to[lane] = E::rounded(component);
-                }
+                set_color(&mut self.gathered.dimmed, lane, light);
             }
             self.gathered.bsdfs.glass.set_eta(lane, interface.after.ior / interface.before.ior);
             self.gathered.interfaces[lane] = Some(*interface);

@@ -8,11 +8,11 @@ use crate::{
     Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, SurfaceHit, Transmission,
     light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, QuadLight},
     stream_queries::SingleQueries,
-    wavefront::test_world::difference,
+    wavefront::test_world::{assert_close, assert_same_bits, in_streams},
 };
-use core::f64::consts::PI;
+use core::{f64::consts::PI, ops::Range};
 use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
-use rt_math::{DVec3, Rgb, random};
+use rt_math::{DVec3, Interval, Ray, Rgb, random};
 
 /// Independent numbers.
 #[derive(Clone)]
@@ -42,16 +42,8 @@ impl SceneQueries for Shapes {
         let hits = hits.filter_map(|(object, (shape, ..))| Some((object, shape.intersect(ray, span)?)));
         let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
         let (shape, material, light) = &self.0[object];
-        let interaction = shape.surface(ray, &hit, needs);
         let light = light.map(|index| LightId { index, triangle: None });
-        Some(SurfaceHit {
-            t: hit.t,
-            interaction,
-            object: object as u32,
-            material: *material,
-            light,
-            casts_shadow: true,
-        })
+        Some(SurfaceHit { light, ..SurfaceHit::new(hit.t, shape.surface(ray, &hit, needs), object as u32, *material) })
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -99,13 +91,16 @@ impl Scene {
         self
     }
 
+    /// Result of [`trace`] for rays that start in air.
+    fn trace(&mut self, settings: PathSettings, rays: &[Ray]) -> (Vec<RadianceSample>, ShadingCounts) {
+        let (lights, bsdfs) = (self.light_set(), BsdfCache::new(&self.appearance, |_| true));
+        let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &bsdfs };
+        trace(&mut self.shapes, lighting, settings, &[InteriorList::default()], rays)
+    }
+
     /// The mean over so many paths from a ray, and its standard error.
     fn estimate(&mut self, settings: PathSettings, ray: Ray, paths: u32) -> (f64, f64) {
-        let lights = self.light_set();
-        let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-        let rays = vec![ray; paths as usize];
-        let (seen, _) = trace(&mut self.shapes, lighting, settings, &[InteriorList::default()], &rays);
-        mean_and_error(&seen)
+        mean_and_error(&self.trace(settings, &vec![ray; paths as usize]).0)
     }
 
     fn assert_shows(&mut self, settings: PathSettings, ray: Ray, truth: f64) {
@@ -128,9 +123,10 @@ fn trace(
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
     let features = ShadingFeatures::of(lighting.appearance, |_| true);
     let mut radiance_of = |mut paths: PathTracer<Independent>| {
-        let mut seen = vec![RadianceSample::MISS; rays.len()];
-        paths.set_surroundings(surroundings);
-        paths.radiance_of(&mut SingleQueries::new(world), lighting, &spans, &samplers, &mut seen);
+        let seen = in_streams(&spans, |range, rays, seen| {
+            paths.set_surroundings(if surroundings.len() > 1 { &surroundings[range.clone()] } else { surroundings });
+            paths.radiance_of_stream(&mut SingleQueries::new(world), lighting, rays, &samplers[range], seen);
+        });
         (seen, paths.take_counts())
     };
     let levels = [LaneLevel::avx2(), LaneLevel::best(), None];
@@ -142,33 +138,23 @@ fn trace(
     assert!(in_avx2 == (in_f32.clone(), counts), "AVX2 differs from the best level");
     assert_eq!(counts.without_lanes(), counts_of_one.without_lanes(), "{settings:?}");
     assert!(counts.lanes_used <= counts.lanes, "{counts:?}");
-    for (at, (in_lanes, by_itself)) in in_f32.iter().zip(&one_by_one).enumerate() {
-        assert_eq!(bits(in_lanes), bits(by_itself), "path {at} of {settings:?}: {in_lanes:?}, {by_itself:?}");
-    }
+    assert_same_bits(&in_f32, &one_by_one, &format!("{settings:?}"));
     let (seen, counts_in_f64) = radiance_of(PathTracer::new(settings, features).in_f64());
-    let differing = seen.iter().zip(&in_f32).filter(|(a, b)| !(a.hit == b.hit && difference(a, b) < 1e-3)).count();
-    assert!(differing <= 1 + rays.len() / 50, "{differing} of {} paths differ in f32: {settings:?}", rays.len());
+    assert_close(&seen, &in_f32, 1e-3, 1 + rays.len() / 50, ("f32", settings));
     if !matches!(settings.transport, Transport::Specular | Transport::SpecularWithEmitters) {
         let (air, none) = (InteriorList::default(), ShadingCounts::default());
         let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };
-        let mut differing = Vec::new();
-        for (at, (ray, sampler)) in rays.iter().zip(&samplers).enumerate() {
-            reference.surroundings.clone_from(&surroundings[at % surroundings.len()]);
-            let expected = reference.li(world, ray, &mut sampler.clone());
-            if !(seen[at].hit == expected.hit && difference(&seen[at], &expected) < 1e-9) {
-                differing.push((at, seen[at], expected));
-            }
-        }
+        let li = |((ray, sampler), surroundings): ((&Ray, &Independent), &InteriorList)| {
+            reference.surroundings.clone_from(surroundings);
+            reference.li(world, ray, &mut sampler.clone())
+        };
+        let expected: Vec<_> = rays.iter().zip(&samplers).zip(surroundings.iter().cycle()).map(li).collect();
         // On a light source, rounding decides whether the source itself reaches a point or one next to it.
-        assert!(differing.len() <= rays.len() / 500, "{settings:?}: {differing:?}");
+        assert_close(&expected, &seen, 1e-9, rays.len() / 500, settings);
         let of_media_and_clamp = |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped];
         assert_eq!(of_media_and_clamp(&counts_in_f64), of_media_and_clamp(&reference.counts), "{settings:?}");
     }
     (seen, counts)
-}
-
-fn bits(seen: &RadianceSample) -> ([u64; 3], bool) {
-    (seen.radiance.to_array().map(f64::to_bits), seen.hit)
 }
 
 /// Mean of the green channel, and its standard error.
@@ -232,11 +218,9 @@ fn a_black_light_gets_no_shadow_rays() {
     let light = QuadLight::new(DVec3::new(-0.5, 2.0, -0.5), [DVec3::X, DVec3::Z], emission).expect("a light");
     let material = Material::new(String::new(), diffuse(0.8));
     let mut scene = Scene::new(vec![material], vec![Light::Quad(light)]).with(floor(), 0, None);
-    let lights = scene.light_set();
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays = [0.1, 0.2, 0.3].map(|x| Ray::new(DVec3::new(x, 1.0, 0.3), DVec3::new(0.1, -1.0, 0.2)));
     let settings = PathSettings { max_depth: 2, rr_start_depth: 9, transport: Transport::Full, clamp: Clamp::NONE };
-    let (seen, counts) = trace(&mut scene.shapes, lighting, settings, &[InteriorList::default()], &rays);
+    let (seen, counts) = scene.trace(settings, &rays);
     assert!(seen.iter().all(|seen| seen.radiance.is_black()));
     assert_eq!(counts.shadow_rays_skipped, 3);
 }
@@ -248,10 +232,8 @@ fn a_floor_at_height_zero_is_shaded_in_lanes() {
     let light = QuadLight::new(DVec3::new(-0.5, 2.0, -0.5), [DVec3::X, DVec3::Z], emission).expect("a light");
     let materials = vec![Material::new(String::new(), diffuse(0.8))];
     let mut scene = Scene::new(materials, vec![Light::Quad(light)]).with(floor(), 0, None);
-    let lights = scene.light_set();
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays: Vec<_> = (0..40).map(|i| Ray::new(DVec3::new(0.1 * f64::from(i), 1.0, 0.3), DVec3::NEG_Y)).collect();
-    let (seen, counts) = trace(&mut scene.shapes, lighting, paths(0), &[InteriorList::default()], &rays);
+    let (seen, counts) = scene.trace(paths(0), &rays);
     assert!(seen.iter().all(|seen| !seen.radiance.is_black()));
     assert!((counts.lanes_used, counts.lanes) == (40, 40) || LaneLevel::best().is_none(), "{counts:?}");
 }
@@ -352,14 +334,7 @@ fn bounces_charged_for_null_interfaces_end_with_the_ray() {
             let against = if (t as u32).is_multiple_of(2) { ray.direction } else { -ray.direction };
             let normal = if is_wall { -ray.direction } else { against }.normalize();
             let interaction = rt_geometry::SurfaceInteraction::flat(ray.at(t), DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit {
-                t,
-                interaction,
-                object: 0,
-                material: u32::from(is_wall),
-                light: None,
-                casts_shadow: true,
-            })
+            Some(SurfaceHit::new(t, interaction, 0, u32::from(is_wall)))
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -410,25 +385,15 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let samplers: Vec<_> = (0..20).map(|key| Independent { key, dimension: 0 }).collect();
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-    let mut together = vec![RadianceSample::MISS; 20];
-    PathTracer::new(paths(6), features).radiance_of(
-        &mut SingleQueries::new(&mut scene.shapes),
-        lighting,
-        &rays,
-        &samplers,
-        &mut together,
-    );
-    let mut one_by_one = vec![RadianceSample::MISS; 20];
     let mut tracer = PathTracer::new(paths(6), features);
-    for i in 0..20 {
-        tracer.radiance_of(
-            &mut SingleQueries::new(&mut scene.shapes),
-            lighting,
-            &rays[i..=i],
-            &samplers[i..=i],
-            &mut one_by_one[i..=i],
-        );
-    }
+    let mut radiance_of = |range: Range<usize>| {
+        in_streams(&rays[range.clone()], |_, rays, seen| {
+            let world = &mut SingleQueries::new(&mut scene.shapes);
+            tracer.radiance_of_stream(world, lighting, rays, &samplers[range.clone()], seen);
+        })
+    };
+    let together = radiance_of(0..20);
+    let one_by_one: Vec<_> = (0..20).flat_map(|at| radiance_of(at..at + 1)).collect();
     assert_eq!(together, one_by_one);
     assert!(together.iter().any(|seen| !seen.radiance.is_black()));
 }

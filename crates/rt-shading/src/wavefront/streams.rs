@@ -3,7 +3,7 @@
 use crate::{
     RadianceSample,
     lane_set::{Element, LaneSet},
-    lanes::each_lane,
+    lanes::{LANES, each_lane, set_color},
 };
 use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{Interval, Ray, Rgb, Vector3};
@@ -114,6 +114,29 @@ impl<E: Element> ShadowRayStream<E> {
         }
         self.rays.clear();
     }
+}
+
+/// Radiance over these distances, attenuated by the transmittances of the lanes of a mask.
+#[inline(never)]
+pub(crate) fn attenuated<L: LaneSet>(
+    lanes: L,
+    (radiance, distance): &(Vector3<L::F>, L::D),
+    mask: u8,
+    transmittance: impl Fn(usize, f64) -> Rgb,
+) -> Vector3<L::F> {
+    lanes.vectorize(
+        #[inline(always)]
+        || {
+            let mut distances = [0.0; LANES];
+            lanes.store_f64(*distance, &mut distances);
+            let mut transmittances = [[L::Element::rounded(1.0); LANES]; 3];
+            for lane in each_lane(mask) {
+                set_color(&mut transmittances, lane, transmittance(lane, distances[lane & 7]));
+            }
+            let [r, g, b] = &transmittances;
+            radiance.scaled_by(Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b)))
+        },
+    )
 }
 
 /// Adds radiance to the samples of some lanes. `samples` has the indices of all lanes.

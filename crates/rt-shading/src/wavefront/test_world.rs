@@ -4,9 +4,10 @@ use crate::{
     RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle, SurfaceHit, light::LightId,
     scene_queries::SceneQueries,
 };
+use core::{fmt::Debug, ops::Range};
 use rt_geometry::{
-    Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, ShapeHit, Sphere, SurfaceInteraction, WatertightRay,
-    interpolate, smooth_point, triangle_point,
+    Hit, HitStream, InteractionFlags, Plane, RayKind, RayStream, STREAM_CAPACITY, ShapeHit, Sphere, SurfaceInteraction,
+    WatertightRay, interpolate, smooth_point, triangle_point,
 };
 use rt_math::{DVec3, Interval, Ray, random};
 
@@ -64,6 +65,17 @@ impl ShapeWorld {
         Self(spheres.chain(triangles).chain([floor]).collect())
     }
 
+    /// Version in which every second triangle has interpolated normals, some of which face away from the viewer.
+    pub(crate) fn with_bent_normals(mut self) -> Self {
+        for (at, primitive) in self.0.iter_mut().enumerate().step_by(2) {
+            if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut primitive.shape {
+                let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
+                *vertex_normals = Some([60, 63, 66].map(bent));
+            }
+        }
+        self
+    }
+
     fn hit(&self, ray: &Ray, span: Interval) -> Option<Hit> {
         let watertight = WatertightRay::new(ray);
         let hits = self.0.iter().enumerate().filter_map(|(at, primitive)| {
@@ -101,7 +113,7 @@ impl ShapeWorld {
                 surface
             }
         };
-        SurfaceHit { t, interaction, object: primitive, material: *material, light: *light, casts_shadow: true }
+        SurfaceHit { light: *light, ..SurfaceHit::new(t, interaction, primitive, *material) }
     }
 }
 
@@ -163,6 +175,20 @@ pub(crate) fn camera_rays(count: u32, scale: f64) -> Vec<(Ray, Interval)> {
     (0..count).map(|at| (ray(at), Interval::FORWARD)).collect()
 }
 
+/// Radiance of rays that are traced in streams as large as possible. `trace` gets the range of the rays of each.
+pub(crate) fn in_streams(
+    rays: &[(Ray, Interval)],
+    mut trace: impl FnMut(Range<usize>, &mut RayStream, &mut [RadianceSample]),
+) -> Vec<RadianceSample> {
+    let mut seen = vec![RadianceSample::MISS; rays.len()];
+    for (number, (rays, seen)) in rays.chunks(STREAM_CAPACITY).zip(seen.chunks_mut(STREAM_CAPACITY)).enumerate() {
+        let (first, mut stream) = (number * STREAM_CAPACITY, RayStream::default());
+        rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+        trace(first..first + rays.len(), &mut stream, seen);
+    }
+    seen
+}
+
 /// Asserts that what rays see is bit-identical.
 pub(crate) fn assert_same_bits(a: &[RadianceSample], b: &[RadianceSample], context: &str) {
     assert_eq!(a.len(), b.len(), "{context}");
@@ -172,8 +198,26 @@ pub(crate) fn assert_same_bits(a: &[RadianceSample], b: &[RadianceSample], conte
     }
 }
 
+/// Asserts that the radiance of at most so many rays differs by more than `bound`.
+pub(crate) fn assert_close(a: &[RadianceSample], b: &[RadianceSample], bound: f64, most: usize, context: impl Debug) {
+    let differing = differing(a, b, bound);
+    assert!(a.len() == b.len() && differing.len() <= most, "{context:?}: {differing:?}");
+}
+
+/// Shares of rays whose radiance differs by more than each bound.
+pub(crate) fn shares_of_differences(a: &[RadianceSample], b: &[RadianceSample], bounds: [f64; 2]) -> [f64; 2] {
+    bounds.map(|bound| differing(a, b, bound).len() as f64 / a.len() as f64)
+}
+
+/// Rays whose radiance differs by more than `bound`, or that hit in one of the cases only.
+fn differing(a: &[RadianceSample], b: &[RadianceSample], bound: f64) -> Vec<String> {
+    let differs = |a: &RadianceSample, b: &RadianceSample| !(a.hit == b.hit && difference(a, b) <= bound);
+    let rays = a.iter().zip(b).enumerate().filter(|(_, (a, b))| differs(a, b));
+    rays.map(|(at, (a, b))| format!("ray {at}: {a:?}, {b:?}")).collect()
+}
+
 /// Largest difference of a component, relative to the radiance.
-pub(crate) fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
+fn difference(a: &RadianceSample, b: &RadianceSample) -> f64 {
     let size = a.radiance.max_component().max(b.radiance.max_component()).max(1e-3);
     (a.radiance - b.radiance).to_array().iter().fold(0.0, |max: f64, c| max.max(c.abs())) / size
 }

@@ -9,9 +9,9 @@ use super::{
 use crate::{
     RadianceSample, SurfaceHit,
     hit_context::SurfaceTransmission,
-    interior_list::MediumInterface,
+    interior_list::{MediumEntry, MediumInterface},
     lane_set::{Element, LaneSet},
-    lanes::each_lane,
+    lanes::{each_lane, set_color},
     medium::absorb,
 };
 use rt_math::Vector3;
@@ -51,16 +51,8 @@ impl<E: Element> SpawnedRays<E> {
             let way = (t[lane] - tree.start) * length[lane];
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
-                let body = surfaces.body(lane);
-                let interaction = points.surface(lanes, lane);
-                let hit = SurfaceHit {
-                    t: t[lane],
-                    interaction,
-                    object: body.object,
-                    material: body.material,
-                    light: None,
-                    casts_shadow: true,
-                };
+                let MediumEntry { object, material } = surfaces.body(lane);
+                let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, way), seen);
                 continue;
             }
@@ -72,13 +64,9 @@ impl<E: Element> SpawnedRays<E> {
                     self.absorption[lane] = around.absorption;
                     group.absorbed |= 1 << lane;
                     if !core::mem::replace(&mut is_absorbed, true) {
-                        lanes.store(group.weight.x, &mut weight[0]);
-                        lanes.store(group.weight.y, &mut weight[1]);
-                        lanes.store(group.weight.z, &mut weight[2]);
+                        weight = lanes.store_vector(group.weight);
                     }
-                    for (weight, absorbed) in weight.iter_mut().zip(absorbed.to_array()) {
-                        weight[lane] = E::rounded(absorbed);
-                    }
+                    set_color(&mut weight, lane, absorbed);
                 }
             }
             if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {

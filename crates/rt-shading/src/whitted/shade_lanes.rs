@@ -18,11 +18,11 @@ use crate::{
         hit_points::HitPoints,
         is_in_range,
         shaded_surface::{ShadedSurface, ShadingNormals},
-        streams::{add_radiance, times},
+        streams::{add_radiance, attenuated, times},
     },
 };
 use rt_geometry::HitStream;
-use rt_math::{Real, Rgb, Vector3};
+use rt_math::{Real, Rgb};
 
 impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeTreeHits<'_, W, E> {
     #[inline(always)]
@@ -296,7 +296,10 @@ impl<E: Element> SpawnedRays<E> {
                 }
                 let mut radiance = radiance;
                 if group.absorbed != 0 {
-                    radiance = attenuated(lanes, radiance, (&self.absorption, group.absorbed), incident.distance);
+                    // The medium before the surface fills the whole way.
+                    let of_lane = |lane: usize, distance| transmittance_to_light(self.absorption[lane & 7], distance);
+                    let distance = lanes.widen(incident.distance);
+                    radiance = attenuated(lanes, &(radiance, distance), group.absorbed, of_lane);
                 }
                 self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
                 let (direction, end) = shadow_rays(lanes, light, shadow_origin);
@@ -305,31 +308,4 @@ impl<E: Element> SpawnedRays<E> {
             }
         }
     }
-}
-
-/// Light of a distance, attenuated in some lanes by the medium before the surface. That of a light at infinity is not, as under path
-/// tracing.
-#[inline(never)]
-fn attenuated<L: LaneSet>(
-    lanes: L,
-    radiance: Vector3<L::F>,
-    (absorption, mask): (&[Rgb; LANES], u8),
-    distance: L::F,
-) -> Vector3<L::F> {
-    lanes.vectorize(
-        #[inline(always)]
-        || {
-            let mut distances = [0.0; LANES];
-            lanes.store_f64(lanes.widen(distance), &mut distances);
-            let mut transmittances = [[L::Element::rounded(1.0); LANES]; 3];
-            for lane in each_lane(mask) {
-                let of_lane = transmittance_to_light(absorption[lane & 7], distances[lane & 7]).to_array();
-                for (to, component) in transmittances.iter_mut().zip(of_lane) {
-                    to[lane] = L::Element::rounded(component);
-                }
-            }
-            let [r, g, b] = &transmittances;
-            radiance.scaled_by(Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b)))
-        },
-    )
 }

@@ -31,16 +31,9 @@ impl SceneQueries for Echo {
         }
         let against = -ray.direction.normalize();
         let normal = if kind == RayKind::Refraction { -against } else { against };
-        let point = ray.at(2.0 / ray.direction.length());
-        let interaction = SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-        Some(SurfaceHit {
-            t: 2.0 / ray.direction.length(),
-            interaction,
-            object: 0,
-            material: 0,
-            light: None,
-            casts_shadow: true,
-        })
+        let t = 2.0 / ray.direction.length();
+        let interaction = SurfaceInteraction::flat(ray.at(t), DVec3::ZERO, normal, [0.0; 2]);
+        Some(SurfaceHit::new(t, interaction, 0, 0))
     }
 
     fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
@@ -167,9 +160,8 @@ fn what_stands_inside_glass_is_seen_through_it() {
                 3 => (ray.direction, 0),
                 _ => return None,
             };
-            let point = ray.at(2.0);
-            let interaction = SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit { t: 2.0, interaction, object: 0, material, light: None, casts_shadow: true })
+            let interaction = SurfaceInteraction::flat(ray.at(2.0), DVec3::ZERO, normal, [0.0; 2]);
+            Some(SurfaceHit::new(2.0, interaction, 0, material))
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false
@@ -194,14 +186,7 @@ fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
             self.0 += 1;
             let normal = DVec3::new(0.8, 0.0, 0.6);
             let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, normal, [0.0; 2]);
-            (self.0 == 1).then_some(SurfaceHit {
-                t: 1.0,
-                interaction,
-                object: 0,
-                material: 0,
-                light: None,
-                casts_shadow: true,
-            })
+            (self.0 == 1).then_some(SurfaceHit::new(1.0, interaction, 0, 0))
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false

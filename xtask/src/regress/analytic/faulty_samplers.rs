@@ -3,7 +3,7 @@
 use std::{f64::consts::PI, sync::Arc};
 
 use rt_camera::{PixelSampler, SamplerKind};
-use rt_geometry::{InsideRule, Plane, Polygon, Shape};
+use rt_geometry::{InsideRule, Plane, Polygon, RayStream, Shape};
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 use rt_shading::{
     Appearance, BsdfCache, Clamp, ColorTexture, Lighting, Material, PathSettings, PathTracer, Phong, RadianceSample,
@@ -19,7 +19,7 @@ use super::{
     closed_form,
 };
 
-/// Sample pattern and samples of each estimate with a fault.
+/// Sample pattern and samples of each estimate with a fault. The rays of an estimate fit into one stream.
 pub(super) const PATTERN: SamplerKind = SamplerKind::Jittered;
 pub(super) const SPP: u32 = 256;
 
@@ -121,15 +121,15 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
     let lighting = Lighting { appearance: &appearance, lights: &lights, bsdfs: &bsdfs };
     let mut paths = PathTracer::new(settings, ShadingFeatures::of(&appearance, |_| true));
     let sampler = PixelSampler::new(PATTERN, SPP, seed);
-    let (mut rays, mut samplers) = (Vec::new(), Vec::new());
+    let (mut rays, mut samplers) = (RayStream::default(), Vec::new());
     for index in 0..sampler.spp() {
         let mut sample = wrapped(sampler.sample([0, 0], index));
         let [x, y] = sample.next_2d();
-        rays.push((Ray::new(DVec3::new(x - 0.5, y - 0.5, 0.5), DVec3::NEG_Z), Interval::FORWARD));
+        rays.push(&Ray::new(DVec3::new(x - 0.5, y - 0.5, 0.5), DVec3::NEG_Z), Interval::FORWARD);
         samplers.push(sample);
     }
     let mut seen = vec![RadianceSample::MISS; rays.len()];
-    paths.radiance_of(&mut SingleQueries::new(&mut world), lighting, &rays, &samplers, &mut seen);
+    paths.radiance_of_stream(&mut SingleQueries::new(&mut world), lighting, &mut rays, &samplers, &mut seen);
     let sum: f64 = seen.iter().map(|seen| seen.radiance.g).sum();
-    Ok(sum / rays.len() as f64 * PI / ALBEDO)
+    Ok(sum / seen.len() as f64 * PI / ALBEDO)
 }

@@ -180,10 +180,10 @@ fn sharp(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
             checks.check(weight.is_finite() && (0.0..=1.1).contains(&weight), || {
                 format!("{degrees}°, u = {u:?}: a weight of {weight}")
             });
-            let (value, pdf) = (SHARP.eval(wo, sample.wi).g, SHARP.pdf(wo, sample.wi));
-            checks.check(value.is_finite() && pdf.is_finite(), || format!("{degrees}°, u = {u:?}: {value} / {pdf}"));
+            let (value, pdf) = SHARP.eval_with_pdf(wo, sample.wi);
+            checks.check(value.is_finite() && pdf.is_finite(), || format!("{degrees}°, u = {u:?}: {value:?} / {pdf}"));
         }
-        let behind = SHARP.eval(wo, DVec3::new(sin, 0.0, cos));
+        let (behind, _) = SHARP.eval_with_pdf(wo, DVec3::new(sin, 0.0, cos));
         checks.check(degrees == 0.0 || behind.g < 1e-100, || format!("{behind:?} towards the viewer at {degrees}°"));
     }
     Ok(())
@@ -198,7 +198,7 @@ fn sharp_integral() -> f64 {
     let value = |i: u32| {
         let cos = exp(-f64::from(i) * step / power);
         let wi = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-        SHARP.eval(DVec3::Z, wi).g * cos * cos * TAU / power
+        SHARP.eval_with_pdf(DVec3::Z, wi).0.g * cos * cos * TAU / power
     };
     let weight = |i: u32| if i == 0 || i == STEPS { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
     (0..=STEPS).map(|i| weight(i) * value(i)).sum::<f64>() * step / 3.0
@@ -211,7 +211,7 @@ fn lobes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for exponent in [1.0, 10.0, 100.0, 1000.0] {
         let lobe = PhongLobe { reflectance: Rgb::WHITE, exponent };
         // f is the power of the cosine, but for its factor.
-        let power = |wi: DVec3| lobe.eval(DVec3::Z, wi).g * TAU / (exponent + 2.0);
+        let power = |wi: DVec3| lobe.eval_with_pdf(DVec3::Z, wi).0.g * TAU / (exponent + 2.0);
         let truth = TAU / (exponent + 1.0);
         hold(checks, format_args!("n = {exponent}, uniform"), truth, seeds, |pattern, seed| {
             Ok(mean_of(pattern, spp, seed, |sample| {

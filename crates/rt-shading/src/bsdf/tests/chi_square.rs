@@ -144,17 +144,17 @@ fn broken_densities_and_samples_are_caught() {
     let wo = at_angle(60.0, 0.4);
     let sphere = Sphere::around(wo, 1.5);
     let limit = threshold(1);
-    let glass = Dielectric::clear(1.5, 0.5);
+    let [gold, highlight, glass, rough]: [Bsdf; 4] =
+        [metal(0.5).into(), phong(50.0).into(), Dielectric::clear(1.5, 0.5).into(), eon(0.5).into()];
     let half = |wi: DVec3| (wo + wi).normalize();
     let wrong = [
         (
             "sampled a little rougher than the density",
-            chi_square(&sphere, 1, |wi| metal(0.5).pdf(wo, wi), |u| metal(0.51).sample(wo, u)).z,
+            chi_square(&sphere, 1, |wi| gold.pdf(wo, wi), |u| metal(0.51).sample(wo, u)).z,
         ),
         (
             "without the Jacobian of reflection",
-            chi_square(&sphere, 2, |wi| 4.0 * wo.dot(half(wi)) * metal(0.5).pdf(wo, wi), |u| metal(0.5).sample(wo, u))
-                .z,
+            chi_square(&sphere, 2, |wi| 4.0 * wo.dot(half(wi)) * gold.pdf(wo, wi), |u| gold.sample(wo, u)).z,
         ),
         (
             "a density of uniform hemispheres for cosines",
@@ -168,8 +168,7 @@ fn broken_densities_and_samples_are_caught() {
         ),
         (
             "an azimuth that is not uniform",
-            chi_square(&sphere, 4, |wi| phong(50.0).pdf(wo, wi), |u| phong(50.0).sample(wo, [u[0], u[1], u[2] * u[2]]))
-                .z,
+            chi_square(&sphere, 4, |wi| highlight.pdf(wo, wi), |u| highlight.sample(wo, [u[0], u[1], u[2] * u[2]])).z,
         ),
         (
             "transmission as often as reflection",
@@ -177,8 +176,8 @@ fn broken_densities_and_samples_are_caught() {
         ),
         ("too large by 3 %", chi_square(&sphere, 6, |wi| 1.03 * glass.pdf(wo, wi), |u| glass.sample(wo, u)).z),
         ("a failed sample now and then", {
-            let sample = |u: [f64; 3]| eon(0.5).sample(wo, u).filter(|_| u[0] > 0.002);
-            chi_square(&sphere, 7, |wi| eon(0.5).pdf(wo, wi), sample).z
+            let sample = |u: [f64; 3]| rough.sample(wo, u).filter(|_| u[0] > 0.002);
+            chi_square(&sphere, 7, |wi| rough.pdf(wo, wi), sample).z
         }),
     ];
     for (what, z) in wrong {

@@ -124,5 +124,5 @@ fn mixes_refuse_what_cannot_be_weighed() {
     assert!(matches!(Mix::new(&[(f64::NAN, lobe)]), Err(MixError::Weight(_))));
     let dark = Mix::new(&[(0.0, lobe)]).expect("no light is sound");
     assert_eq!(dark.sample(DVec3::Z, [0.5; 3]), None);
-    assert_eq!(dark.eval(DVec3::Z, DVec3::Z), Rgb::BLACK);
+    assert_eq!(dark.eval_with_pdf(DVec3::Z, DVec3::Z), (Rgb::BLACK, 0.0));
 }

@@ -12,7 +12,8 @@ use crate::{
     },
     path::{Clamp, Lighting, lane_material::LaneMaterials},
     wavefront::test_world::{
-        ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, number, vector,
+        ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_bits, camera_rays, in_streams, number,
+        shares_of_differences, vector,
     },
 };
 use rt_geometry::{RayStream, Sphere};
@@ -75,16 +76,9 @@ const LIT_BY: [LightKinds; 5] = [
 impl TestScene {
     fn new(kinds: LightKinds, scale: f64) -> Self {
         let emission = |sides| Emission::new(LIGHT, sides).expect("light");
-        let mut world = ShapeWorld::new(EMITTERS[0], scale);
+        let mut world = ShapeWorld::new(EMITTERS[0], scale).with_bent_normals();
         for primitive in world.0.iter_mut().filter(|primitive| primitive.material == EMITTERS[0]) {
             primitive.material = MISSING;
-        }
-        // Every second triangle has interpolated normals, some of which face away from the viewer.
-        for (at, primitive) in world.0.iter_mut().enumerate().step_by(2) {
-            if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut primitive.shape {
-                let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
-                *vertex_normals = Some([60, 63, 66].map(bent));
-            }
         }
         let mut lights = Vec::new();
         let mut add = |light: Light, triangle: Option<u32>, shapes: Vec<TestShape>, material| {
@@ -173,19 +167,21 @@ fn samplers(count: usize) -> Vec<Independent> {
 
 type Rendered = (Vec<RadianceSample>, ShadingCounts);
 
-/// Radiance of camera rays, in streams as large as possible.
-fn in_streams(scene: &mut TestScene, mut paths: PathTracer<Independent>, rays: &[(Ray, Interval)]) -> Rendered {
+/// Radiance of camera rays.
+fn traced(scene: &mut TestScene, mut paths: PathTracer<Independent>, rays: &[(Ray, Interval)]) -> Rendered {
     let TestScene { world, appearance, lights, .. } = scene;
     let bsdfs = BsdfCache::default();
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
-    let mut seen = vec![RadianceSample::MISS; rays.len()];
-    paths.radiance_of(world, lighting, rays, &samplers(rays.len()), &mut seen);
+    let samplers = samplers(rays.len());
+    let seen = in_streams(rays, |range, rays, seen| {
+        paths.radiance_of_stream(world, lighting, rays, &samplers[range], seen);
+    });
     (seen, paths.take_counts())
 }
 
 fn in_f64(scene: &mut TestScene, settings: PathSettings, rays: &[(Ray, Interval)]) -> Rendered {
     let paths = PathTracer::new(settings, scene.features).in_f64();
-    in_streams(scene, paths, rays)
+    traced(scene, paths, rays)
 }
 
 /// Radiance in `f32`, in lanes of a level or one by one.
@@ -197,7 +193,7 @@ fn in_f32(
 ) -> Rendered {
     let mut paths = PathTracer::new(settings, scene.features);
     paths.set_lanes(level);
-    in_streams(scene, paths, rays)
+    traced(scene, paths, rays)
 }
 
 /// Radiance by the reference integrator, and its counts of clamped contributions.
@@ -238,10 +234,7 @@ fn assert_radiance_of_reference(scene: &mut TestScene, kinds: LightKinds, rays: 
             assert!(counts.lanes_used > 500, "{counts:?}");
             assert_eq!(of_expected.passages, counts.passages, "{kinds:?}, {settings:?}");
             // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
-            let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-7;
-            let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-            let most = if kinds.others { 4 } else { 0 };
-            assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
+            assert_close(&expected, &found, 1e-7, if kinds.others { 4 } else { 0 }, (kinds, settings));
         }
     }
 }
@@ -257,10 +250,7 @@ fn shading_in_f64_gives_the_radiance_of_the_reference() {
             let (found, found_counts) = in_f64(&mut scene, settings, &rays);
             assert_eq!(counts.clamped, found_counts.clamped, "{kinds:?}, {settings:?}");
             // On a light source, rounding decides whether the source itself reaches a point or one next to it.
-            let differs = |(a, b): &(&RadianceSample, &RadianceSample)| a.hit != b.hit || difference(a, b) > 1e-9;
-            let differing: Vec<_> = expected.iter().zip(&found).filter(differs).collect();
-            let most = if kinds.others { 3 } else { 0 };
-            assert!(differing.len() <= most, "{differing:?}, {kinds:?}, {settings:?}");
+            assert_close(&expected, &found, 1e-9, if kinds.others { 3 } else { 0 }, (kinds, settings));
         }
     }
 }
@@ -272,9 +262,7 @@ fn shading_in_f64_agrees_with_the_reference_for_other_settings() {
     let compare = |scene: &mut TestScene, settings: PathSettings| {
         let (expected, _) = of_reference(scene, settings, &rays);
         let (found, counts) = in_f64(scene, settings, &rays);
-        for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
-            assert!(a.hit == b.hit && difference(a, b) < 1e-9, "ray {at}: {a:?}, {b:?}, {settings:?}");
-        }
+        assert_close(&expected, &found, 1e-9, 0, settings);
         counts
     };
     let mut unlit = TestScene::new(LIT_BY[2], 1.0);
@@ -372,27 +360,24 @@ fn all_materials_are_shaded_in_lanes() {
 }
 
 /// Shares of rays whose radiance differs by more than 1e-4 and 1e-2 from that in `f64`.
-fn shares_of_differences(scale: f64) -> [f64; 2] {
+fn differences_in_f32(scale: f64) -> [f64; 2] {
     let rays = camera_rays(3000, scale);
     let mut scene = TestScene::new(LIT_BY[1], scale);
     let (exact, _) = of_reference(&mut scene, settings(5), &rays);
     let (found, _) = in_f32(&mut scene, None, settings(5), &rays);
-    [1e-4, 1e-2].map(|bound| {
-        let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < bound && a.hit == b.hit));
-        differing.count() as f64 / rays.len() as f64
-    })
+    shares_of_differences(&exact, &found, [1e-4, 1e-2])
 }
 
 #[test]
 fn f32_differs_where_paths_take_another_way() {
-    let [above_rounding, another_way] = shares_of_differences(1.0);
+    let [above_rounding, another_way] = differences_in_f32(1.0);
     assert!(above_rounding < 0.02 && another_way < 0.003, "{above_rounding}, {another_way}");
 }
 
 #[test]
 fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
     for scale in [1e-25, 1e-15, 1e15, 1e25] {
-        let [_, another_way] = shares_of_differences(scale);
+        let [_, another_way] = differences_in_f32(scale);
         assert!(another_way < 0.01, "{another_way} at scale {scale}");
     }
 }
@@ -441,9 +426,7 @@ fn lights_out_of_the_range_of_f32_keep_all_hits_out_of_lanes() {
     let (found, counts) = in_f32(&mut scene, LaneLevel::best(), settings(5), &rays);
     let lit = exact.iter().filter(|seen| seen.radiance.max_component() > 0.0).count();
     assert!(lit > 300 && counts.lanes == 0, "{lit}, {counts:?}");
-    for (at, (a, b)) in exact.iter().zip(&found).enumerate() {
-        assert!(difference(a, b) < 1e-5, "ray {at}: {a:?}, {b:?}");
-    }
+    assert_close(&exact, &found, 1e-5, 0, "narrow spot");
 }
 
 #[test]

@@ -258,13 +258,9 @@ fn every_path_between_triangles_and_spheres_has_the_radiance_of_the_reference() 
         [(Vec::new(), scene.lights.clone()), (delta_lights.clone(), Vec::new()), (delta_lights, several_lights(&scene))]
     {
         (scene.appearance.lights, scene.lights) = (delta_lights, area_lights);
-        let lights = scene.light_set();
-        let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
-        let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
-        let mut world = Shapes(scene.shapes.0.clone());
         let distributed = [0, 4].map(|max_depth| PathSettings { max_depth, ..DISTRIBUTED });
         for settings in all_settings().chain(distributed) {
-            let (seen, counts) = trace(&mut world, lighting, settings, &[InteriorList::default()], &views(RAYS + 1));
+            let (seen, counts) = scene.trace(settings, &views(RAYS + 1));
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             assert!(lit > RAYS as usize / 6, "{lit} of {RAYS}, {settings:?}");
             // Rays hit the floor, which has a highlight, more often than all else.
@@ -291,10 +287,8 @@ fn metallic_roughness_in_lanes_has_the_radiance_of_the_reference() {
         }
         scene.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::BLACK, size: 0.25 }];
         scene.appearance.ambient = Rgb::gray(0.1);
-        let (lights, bsdfs) = (scene.light_set(), BsdfCache::new(&scene.appearance, |_| true));
-        let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
         for settings in [paths(0), paths(4), DISTRIBUTED] {
-            let (_, counts) = trace(&mut scene.shapes, lighting, settings, &[InteriorList::default()], &views(1001));
+            let (_, counts) = scene.trace(settings, &views(1001));
             let is_rough = roughness >= 0.1;
             assert!(!is_rough || counts.lanes_used > 700 || LaneLevel::best().is_none(), "{settings:?}: {counts:?}");
         }
@@ -311,12 +305,10 @@ fn stiff_spheres_have_the_radiance_of_the_reference() {
     }
     scene = scene.with(sphere_at([0.0, 0.0, -3e20], 1e20), 0, None);
     scene.appearance.background = Background::Constant(Rgb::WHITE);
-    let (lights, bsdfs) = (scene.light_set(), BsdfCache::new(&scene.appearance, |_| true));
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     let on_centres = |x: f64| Ray::new(DVec3::new(x, 0.0, 1e17), DVec3::NEG_Z * 1e3);
     let within = |x: f64| Ray::new(DVec3::new(x, 0.0, -3e20), DVec3::new(0.1 * x, 1.0, 0.3) * 1e-280);
     let rays: Vec<_> = (0..8).map(f64::from).flat_map(|x| [on_centres(x), within(x)]).collect();
-    let (seen, counts) = trace(&mut scene.shapes, lighting, paths(5), &[InteriorList::default()], &rays);
+    let (seen, counts) = scene.trace(paths(5), &rays);
     assert!(seen.iter().all(|seen| seen.hit));
     assert!(counts.lanes > 15 || LaneLevel::best().is_none(), "{counts:?}");
 }
@@ -331,20 +323,14 @@ fn a_path_through_many_null_interfaces_has_the_radiance_of_the_reference() {
         let plane = Plane::new(DVec3::NEG_Z * f64::from(z), DVec3::Z).expect("a plane");
         scene = scene.with(Shape::Plane(plane), 0, None);
     }
-    let lights = scene.light_set();
-    let bsdfs = BsdfCache::default();
     for (max_depth, is_behind_seen) in [(0, false), (75, false), (76, true), (200, true)] {
-        let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
-        let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        let (seen, counts) = trace(&mut scene.shapes, lighting, paths(max_depth), &[InteriorList::default()], &[ray]);
+        let (seen, counts) = scene.trace(paths(max_depth), &[Ray::new(DVec3::Z, DVec3::NEG_Z)]);
         assert_eq!(!seen[0].radiance.is_black(), is_behind_seen, "{max_depth}: {seen:?}");
         assert!(counts.interior_overflows > 900, "{counts:?}");
     }
     // A surface among them, from which the path goes back.
     let wall = Plane::new(DVec3::NEG_Z * 550.5, DVec3::Z).expect("a plane");
     let mut scene = scene.with(Shape::Plane(wall), 1, None);
-    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
-    let rays = vec![Ray::new(DVec3::Z, DVec3::new(0.0, 0.3, -1.0)); 20];
-    let (seen, _) = trace(&mut scene.shapes, lighting, paths(1), &[InteriorList::default()], &rays);
+    let (seen, _) = scene.trace(paths(1), &[Ray::new(DVec3::Z, DVec3::new(0.0, 0.3, -1.0)); 20]);
     assert!(seen.iter().any(|seen| seen.radiance.g > 0.31), "{seen:?}");
 }

@@ -3,8 +3,11 @@
 use super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
-    Phong, StreamTriangle, Texture, TextureId, Transmission,
-    wavefront::test_world::{ShapeWorld, TestPrimitive, TestShape, assert_same_bits, camera_rays, difference, vector},
+    Phong, Texture, TextureId, Transmission,
+    wavefront::test_world::{
+        ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_bits, camera_rays, in_streams,
+        shares_of_differences,
+    },
 };
 use rt_geometry::Sphere;
 use rt_math::{DVec3, Rgb};
@@ -110,14 +113,7 @@ fn appearance(scale: f64) -> Appearance {
 
 /// Shapes of these materials. Every second triangle has interpolated normals, some of which face away from the viewer.
 fn shapes(appearance: &Appearance, scale: f64) -> ShapeWorld {
-    let mut world = ShapeWorld::new(appearance.materials.len() as u32, scale);
-    for (at, primitive) in world.0.iter_mut().enumerate().step_by(2) {
-        if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut primitive.shape {
-            let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
-            *vertex_normals = Some([60, 63, 66].map(bent));
-        }
-    }
-    world
+    ShapeWorld::new(appearance.materials.len() as u32, scale).with_bent_normals()
 }
 
 type Image = (Vec<RadianceSample>, ShadingCounts);
@@ -130,34 +126,31 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn misses(&self) -> Vec<RadianceSample> {
-        vec![RadianceSample::MISS; self.rays.len()]
-    }
-
     fn whitted(&self) -> Whitted {
         Whitted::new(4, 1e-3, self.features)
     }
 
+    fn traced(&self, mut whitted: Whitted, world: &mut impl StreamQueries) -> Image {
+        let seen =
+            in_streams(self.rays, |_, rays, seen| whitted.radiance_of_stream(world, self.appearance, rays, seen));
+        (seen, whitted.take_counts())
+    }
+
     /// Radiance of hits that are shaded one by one in `f64`.
     fn one_by_one(&self, world: &mut ShapeWorld) -> Image {
-        let (mut seen, mut whitted) = (self.misses(), self.whitted().in_f64());
-        whitted.radiance_of(&mut SingleQueries::new(world), self.appearance, self.rays, &mut seen);
-        (seen, whitted.take_counts())
+        self.traced(self.whitted().in_f64(), &mut SingleQueries::new(world))
     }
 
     /// Radiance in `f32`, in lanes of a level.
     fn in_lanes(&self, level: Option<LaneLevel>, world: &mut ShapeWorld) -> Image {
-        let (mut seen, mut whitted) = (self.misses(), self.whitted());
+        let mut whitted = self.whitted();
         whitted.set_lanes(level);
-        whitted.radiance_of(world, self.appearance, self.rays, &mut seen);
-        (seen, whitted.take_counts())
+        self.traced(whitted, world)
     }
 
     /// Radiance with the code for lanes, in `f64`.
     fn in_f64(&self, world: &mut ShapeWorld) -> Image {
-        let (mut seen, mut whitted) = (self.misses(), self.whitted().in_f64());
-        whitted.radiance_of(world, self.appearance, self.rays, &mut seen);
-        (seen, whitted.take_counts())
+        self.traced(self.whitted().in_f64(), world)
     }
 }
 
@@ -181,9 +174,7 @@ fn lanes_in_f64_give_the_radiance_of_hits_that_are_shaded_one_by_one() {
         let (expected, counts) = view.one_by_one(&mut world);
         let (found, found_counts) = view.in_f64(&mut world);
         assert_eq!(counts.without_lanes(), found_counts.without_lanes(), "{features:?}");
-        for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
-            assert!(a.hit == b.hit && difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}, {features:?}");
-        }
+        assert_close(&expected, &found, 1e-12, 0, features);
     }
 }
 
@@ -206,9 +197,7 @@ fn checkered_triangles_are_shaded_with_interpolated_normals() {
     let (expected, _) = view.one_by_one(&mut world);
     let (found, counts) = view.in_f64(&mut world);
     assert!(counts.lanes_used > 200, "{counts:?}");
-    for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
-        assert!(difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}");
-    }
+    assert_close(&expected, &found, 1e-12, 0, "checkered triangles");
 }
 
 /// Regression: a deferred ray continued with the distance up to which absorption was accounted for of the ray that had just left the
@@ -227,9 +216,7 @@ fn a_deferred_ray_in_tinted_glass_does_not_know_of_fog_that_the_mirrored_ray_has
     let (expected, counts) = view.one_by_one(&mut world);
     let (found, _) = view.in_f64(&mut world);
     assert!(counts.passages > 1000 && counts.fresnel > 1000, "{counts:?}");
-    for (at, (a, b)) in expected.iter().zip(&found).enumerate() {
-        assert!(difference(a, b) < 1e-12, "ray {at}: {a:?}, {b:?}");
-    }
+    assert_close(&expected, &found, 1e-12, 0, "tinted glass and fog");
 }
 
 /// Regression: the normal of a hit that rounding puts on the centre was not a number.
@@ -253,7 +240,7 @@ fn a_hit_that_is_rounded_to_the_centre_of_a_tiny_sphere_faces_the_viewer() {
     let (expected, _) = view.one_by_one(&mut world);
     let (found, _) = view.in_lanes(LaneLevel::best(), &mut world);
     assert!(expected[0].hit && expected[0].radiance.max_component() > 0.1, "{expected:?}");
-    assert!(difference(&expected[0], &found[0]) < 1e-6, "{expected:?}, {found:?}");
+    assert_close(&expected, &found, 1e-6, 0, "tiny sphere");
 }
 
 #[test]
@@ -290,22 +277,19 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
 }
 
 /// Shares of rays whose radiance differs by more than 1e-5 and 1e-3 from that in `f64`.
-fn shares_of_differences(scale: f64) -> [f64; 2] {
+fn differences_in_f32(scale: f64) -> [f64; 2] {
     let appearance = appearance(scale);
     let mut world = shapes(&appearance, scale);
     let rays = camera_rays(4000, scale);
     let view = View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &rays };
     let (exact, _) = view.one_by_one(&mut world);
     let (found, _) = view.in_lanes(LaneLevel::best(), &mut world);
-    [1e-5, 1e-3].map(|bound| {
-        let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < bound && a.hit == b.hit));
-        differing.count() as f64 / rays.len() as f64
-    })
+    shares_of_differences(&exact, &found, [1e-5, 1e-3])
 }
 
 #[test]
 fn f32_differs_where_rays_take_another_way() {
-    let [above_rounding, another_way] = shares_of_differences(1.0);
+    let [above_rounding, another_way] = differences_in_f32(1.0);
     assert!(above_rounding < 0.02 && another_way < 0.002, "{above_rounding}, {another_way}");
 }
 
@@ -324,8 +308,7 @@ fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
         let view = View { features, appearance: &appearance, rays: &rays };
         let (exact, _) = view.one_by_one(&mut world);
         let (found, _) = view.in_lanes(LaneLevel::best(), &mut world);
-        let differing = exact.iter().zip(&found).filter(|(a, b)| !(difference(a, b) < 1e-3));
-        assert!(differing.count() < 10, "scale {scale}");
+        assert_close(&exact, &found, 1e-3, 9, scale);
     }
 }
 

@@ -30,15 +30,7 @@ impl SceneQueries for ShapeList {
         let hits = self.shapes.iter().enumerate().filter_map(|(i, (shape, _))| Some((i, shape.intersect(ray, span)?)));
         let (object, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
         let (shape, material) = &self.shapes[object];
-        let interaction = shape.surface(ray, &hit, needs);
-        Some(SurfaceHit {
-            t: hit.t,
-            interaction,
-            object: object as u32,
-            material: *material,
-            light: None,
-            casts_shadow: true,
-        })
+        Some(SurfaceHit::new(hit.t, shape.surface(ray, &hit, needs), object as u32, *material))
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
@@ -386,7 +378,7 @@ fn a_ray_through_endlessly_many_surfaces_ends() {
             let t = span.min.floor() + 1.0;
             let (point, normal) = (ray.at(t), if self.0.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z });
             let interaction = rt_geometry::SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit { t, interaction, object: 0, material: 0, light: None, casts_shadow: true })
+            Some(SurfaceHit::new(t, interaction, 0, 0))
         }
         fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
             false

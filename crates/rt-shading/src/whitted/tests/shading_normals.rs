@@ -27,7 +27,7 @@ impl SceneQueries for Facet {
             shading_normal: self.shading_normal,
             ..SurfaceInteraction::flat(DVec3::ZERO, DVec3::splat(1e-12), DVec3::Y, [0.0; 2])
         };
-        Some(SurfaceHit { t: 1.0, interaction, object: 0, material: 0, light: None, casts_shadow: true })
+        Some(SurfaceHit::new(1.0, interaction, 0, 0))
     }
 
     fn occluded(&mut self, ray: &Ray, _: Interval) -> bool {
