@@ -51,7 +51,7 @@ pub(crate) fn name_of(value: impl ValueEnum) -> String {
                   `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without arguments, a built-in scene is \
                   rendered to still_life.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
                   The file name `-` means standard input for a scene or image and standard output for an image or text. Reports then go to standard error.",
-    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 image written but damaged or, with --strict, empty, 130 interrupted.",
+    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 image written but damaged or, with --strict, with bad samples, black or empty, 130 interrupted.",
     disable_help_subcommand = true,
     args_conflicts_with_subcommands = true
 )]
@@ -300,7 +300,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "HOST:PORT")]
     pub(crate) display_server: Option<String>,
 
-    /// Treat warnings (exit code 3) and bad samples (exit code 5) as errors
+    /// Exit with code 3 on warnings, and with 5 if samples are bad, or the image is black or shows no object
     #[arg(long)]
     pub(crate) strict: bool,
 

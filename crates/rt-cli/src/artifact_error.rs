@@ -40,7 +40,7 @@ pub(crate) enum ArtifactError {
     #[error("{}: was made with other options; use the same --stats, --aov, --time and --target-error, or start over \
              with --restart", .0.display())]
     OtherOptions(PathBuf),
-    #[error("{}: is of another image: its scene ({scene}), an asset of it, or an option differs{advice}", file.display())]
+    #[error("{}: is of another image: the scene ({scene}), an asset or an option differs{advice}", file.display())]
     Foreign { file: PathBuf, scene: String, advice: &'static str },
 }
 

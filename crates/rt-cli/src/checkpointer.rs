@@ -110,13 +110,10 @@ impl Checkpointer {
             ))),
             Some(error) => {
                 let fate = match self.move_aside() {
-                    Some(aside) => format!("it is kept as {}", aside.display()),
-                    None => "it cannot be moved aside, and will be replaced".to_owned(),
+                    Some(aside) => format!("kept as {}", aside.display()),
+                    None => "it cannot be renamed, and will be replaced".to_owned(),
                 };
-                self.console.println(format_args!(
-                    "note: {}; {fate}, and this render starts from the beginning",
-                    error.cause()
-                ))?;
+                self.console.println(format_args!("note: {}; {fate}; this render starts over", error.cause()))?;
                 Ok(None)
             }
         }

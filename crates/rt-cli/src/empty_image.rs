@@ -57,7 +57,7 @@ fn unseen(scene: &Scene) -> String {
         return "the scene has no objects: the image shows the background only".to_owned();
     }
     let target = if bounds.centre().is_finite() {
-        format!("--look-at {} (the center of the scene)", centre_text(&bounds))
+        format!("--look-at {} (the centre of the scene)", centre_text(&bounds))
     } else {
         "--look-from and --look-at".to_owned()
     };

@@ -72,12 +72,10 @@ pub(crate) enum CliError {
     },
     /// An interrupt before any tile or pass was finished.
     #[error(
-        "interrupted after {after}, before the first {unit} was finished; no image was written, and older files are unchanged{}{}",
+        "interrupted before the first {unit} was finished: no image was written, and older files are unchanged{}{}",
         resumption(.checkpoint), if *can_take_time { "; with --time, passes are finished sooner" } else { "" }
     )]
     NothingFinished {
-        /// Work done so far.
-        after: String,
         /// "tile" or "pass".
         unit: &'static str,
         /// True if `--time` would render in passes instead.

@@ -126,7 +126,7 @@ impl Job<'_> {
         let mut rendering = shard.into_rendering();
         // A black image would replace an older one.
         if stopped == Stopped::Interrupted && rendering.samples_per_pixel.max == 0 {
-            return Err(self.nothing_finished(self.work_done(&plan, &rendering), kept));
+            return Err(self.nothing_finished(kept));
         }
         results.extend(self.write_images(&plan, &mut rendering, &fallback_dirs));
         if let Some(display) = display {
@@ -170,10 +170,9 @@ impl Job<'_> {
         self.check_content(&plan, &rendering)
     }
 
-    fn nothing_finished(&self, after: String, checkpoint: Option<Result<SavedCheckpoint, String>>) -> CliError {
+    fn nothing_finished(&self, checkpoint: Option<Result<SavedCheckpoint, String>>) -> CliError {
         let in_passes = self.rule.is_some() || self.scene.settings.integrator == Integrator::Caustics;
         CliError::NothingFinished {
-            after,
             unit: if in_passes { "pass" } else { "tile" },
             can_take_time: !in_passes && matches!(self.output, JobOutput::Image { .. }),
             checkpoint,
@@ -388,7 +387,7 @@ impl Job<'_> {
         }
         let (sampler, passes) = (self.scene.settings.pattern.name(), plan.passes());
         let how = match passes {
-            1 => format!("the sampler {sampler} does not support fewer"),
+            1 => format!("the next number that the sampler {sampler} supports"),
             passes => format!("{passes} passes of {} {sampler} samples", taken / passes),
         };
         self.console.note(format_args!("{taken} samples per pixel instead of {requested}: {how}"))

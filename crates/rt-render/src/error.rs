@@ -108,13 +108,13 @@ pub enum RenderError {
     TargetShare(f64),
     /// A target error, but all passes are equal.
     #[error(
-        "the error cannot be estimated: all passes of the sampler '{0}' are equal; choose a random sampler, such as 'sobol'"
+        "the error cannot be estimated: all passes of the sampler `{0}` are equal; choose a random sampler, such as `sobol`"
     )]
     SamePasses(&'static str),
     /// Adaptive sampling in object space with an integrator other than `whitted`.
     #[error(
-        "adaptive sampling in object space supports the integrator 'whitted' only; for '{0}', use a target error \
-         (--target-error)"
+        "adaptive sampling in object space (--adaptive) supports the integrator `whitted` only; for `{0}`, use a target \
+         error (--target-error)"
     )]
     Adaptive(&'static str),
     /// Adaptive sampling in object space with a lens.

@@ -64,7 +64,7 @@ fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<S
     let left = write_materials(&mut file, &scene);
     let mut notes = scene.notes;
     if !left.is_empty() {
-        notes.push(format!("{} in the model: scene files do not support all their properties.", list(&left)));
+        notes.push(format!("{} in the model, because scene files lack some of the properties.", list(&left)));
     }
     Ok((file, notes, scene.warnings))
 }

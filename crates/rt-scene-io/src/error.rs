@@ -361,6 +361,11 @@ pub fn unreadable(error: &io::Error) -> String {
     }
 }
 
+/// Suffix of a warning at the first of some equal findings.
+pub(crate) fn times(count: usize) -> String {
+    if count > 1 { format!(" ({count} times, this is the first)") } else { String::new() }
+}
+
 /// Longest list of known words that a message prints in full.
 const MAX_LISTED: usize = 24;
 

@@ -153,7 +153,7 @@ fn page(options: &BuildOptions, table: &Table, provenance: &str) -> String {
     format!(
         "# Build time\n\n\
          After reading this page you know which packages dominate the build time of `{package}`.\n\n\
-         Cold build of `{package}` with the profile `{profile}` and all dependencies, into an empty target folder, after all \
+         Cold build of `{package}` with the profile `{profile}` and all dependencies, into an empty target directory, after all \
          downloads. Written by `cargo xtask bench build --package {package} --profile {profile} --write` on {provenance}.\n\n\
          CPU seconds are user and system time of rustc and of the linkers that it starts. Wall seconds of packages overlap; \
          the last row has those of the whole build.\n\n\

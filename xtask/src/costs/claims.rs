@@ -55,6 +55,15 @@ const fn work_and_time(of_work: bool, of_time: bool) -> &'static str {
     }
 }
 
+/// Sentence with the verdicts on a claim about the build and about the work.
+fn build_and_work(of_build: &str, of_work: &str) -> String {
+    if of_build == of_work {
+        format!("The claim {of_build}.")
+    } else {
+        format!("The claim {of_build} for the build and {of_work} for the work.")
+    }
+}
+
 /// The minimum and the maximum of some numbers.
 fn range(numbers: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     let numbers: Vec<f64> = numbers.into_iter().collect();
@@ -113,12 +122,12 @@ fn logarithm(costs: &Costs) -> Option<String> {
     let slopes = |structure: &str| {
         let slopes = costs.growth.iter().filter(|growth| growth.structure == structure);
         let (min, max) = range(slopes.map(|growth| growth.work.exponent))?;
-        Some(format!("`{structure}` {min:.2} to {max:.2}"))
+        Some(format!("`{structure}` {min:.2}–{max:.2}"))
     };
     let slopes: Vec<String> = TREES.iter().filter_map(|tree| slopes(tree)).collect();
     Some(format!(
-        "**Hierarchies need O(log n)** (the lecture). Over these sizes log n grows like n^{expected:.2}. The exponents of \
-         the work of a ray, minimum to maximum over all scenes: {}.",
+        "**Hierarchies need O(log n)** (the lecture). Over these sizes log n grows like n^{expected:.2}. Exponents of \
+         the work over all scenes: {}.",
         slopes.join(", ")
     ))
 }
@@ -203,13 +212,11 @@ fn intervals(costs: &Costs) -> Option<String> {
     let walks = pairs.iter().filter(|(bih, bvh)| bih.work() > bvh.work()).count();
     Some(format!(
         "**A bounding interval hierarchy is built faster than a tree of boxes and traversed more slowly** (Wächter and Keller). \
-         `bih` takes {} times the build time of `bvh`, {} times its memory and {} times its nodes and tests. The claim {} \
-         for the build and {} for the work.",
+         `bih` takes {} times the build time of `bvh` and {} times its memory. It takes {} times its nodes and tests. {}",
         ratios(costs, "bih", "bvh", |figure| figure.build_seconds)?,
         ratios(costs, "bih", "bvh", Figure::bytes_per_primitive)?,
         ratios(costs, "bih", "bvh", Figure::work)?,
-        verdict(builds, pairs.len()),
-        verdict(walks, pairs.len())
+        build_and_work(&verdict(builds, pairs.len()), &verdict(walks, pairs.len()))
     ))
 }
 
@@ -223,8 +230,8 @@ fn lazy(costs: &Costs) -> Option<String> {
     let rays = pairs.first()?.0.of("primary")?.rays;
     let holds = pairs.iter().filter(|(lazy, full)| first_image(lazy) < first_image(full)).count();
     Some(format!(
-        "**Building where rays go shows the first image sooner** (Wächter and Keller). Build and {} first primary \
-         rays take {} times as long with `bih-lazy` as with `bih`, and {} times as long as with `bvh`. Compared with `bih` \
+        "**Building where rays go shows the first image sooner** (Wächter and Keller). For build and {} \
+         first rays, `bih-lazy` takes {} times as long as `bih`, and {} times as long as `bvh`. Compared with `bih` \
          the claim {}.",
         grouped(rays as u64),
         ratios(costs, "bih-lazy", "bih", first_image)?,
@@ -282,6 +289,13 @@ mod tests {
         assert!(
             brute_force(&costs(10)).unwrap().contains("n^1.00 ± 0.00, its time as n^1.00 ± 0.00. The claim holds.")
         );
+    }
+
+    #[test]
+    fn equal_verdicts_are_stated_once() {
+        assert_eq!(build_and_work("holds", "holds"), "The claim holds.");
+        let differing = "The claim does not hold for the build and holds for the work.";
+        assert_eq!(build_and_work("does not hold", "holds"), differing);
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub(crate) struct RegressOptions {
     /// Run checks at full size, which takes hours instead of minutes.
     #[arg(long)]
     full: bool,
-    /// Add pairs for `physics` from this folder [default: ../shared/reference/physics/pairs, if it exists].
+    /// Add pairs for `physics` from this directory [default: ../shared/reference/physics/pairs, if it exists].
     #[arg(long, value_name = "FOLDER")]
     pairs: Option<PathBuf>,
     /// Write the table of all pairs of `physics` into docs/PHYSICS.md.

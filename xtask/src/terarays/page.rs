@@ -62,7 +62,7 @@ pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
          error of one render. The time of one render counts. A third render counts the rays.\n\n\
          Intervals are those of the logarithm, by the jackknife over tiles and Student's t. They include the variation between \
          tiles, but not that of machine and load.\n\n\
-         The same tiles are rendered with `{BEST}`, the sampler that reaches a given error in the least time. A line through the \
+         The same tiles are rendered with `{BEST}`, the sampler that reaches a given error in the minimum time. A line through the \
          logarithms of its errors and sample counts extrapolates to the error of the whole image.\n",
         grouped(PRIMARY_RAYS),
         table(whole),

@@ -42,7 +42,7 @@ pub(super) fn relative_openers(block: &[Line]) -> Vec<Line> {
         .collect()
 }
 
-/// Sentences of documentation that are too long.
+/// Sentences of documentation or of a page that are too long; tables and headings are left out.
 pub(super) fn long_sentences(block: &[Line]) -> Vec<Line> {
     let mut found = Vec::new();
     for (line, paragraph) in paragraphs(block) {
@@ -163,6 +163,21 @@ mod tests {
         assert_eq!(long(&format!("{}e.g. {}", words(12), words(13))), 1);
         assert_eq!(long(&format!("{}one. A {}", words(12), words(13))), 0);
         assert_eq!(long(&format!("```text\n/// {}\n/// ```\n/// ", words(40))), 0);
+    }
+
+    #[test]
+    fn a_sentence_of_a_page_has_at_most_25_words() {
+        let page = |words: usize| {
+            let sentence = "word ".repeat(words);
+            let table = "word ".repeat(30);
+            let text = format!("# Page\n\n* {sentence}\n  end. Next.\n\n| {table} |\n\n```sh\n{table}\n```\n");
+            text.lines().zip(1..).map(|(text, line)| (line, text.to_owned())).collect::<Vec<Line>>()
+        };
+        assert_eq!(long_sentences(&page(24)), []);
+        let found = long_sentences(&page(25));
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].0, 3);
+        assert!(found[0].1.starts_with("26 words"), "{}", found[0].1);
     }
 
     #[test]

@@ -241,12 +241,12 @@ A distance is right here to {SINGLE_PRECISION:g} of its value, as other programs
 2⁻⁴⁴ of the distance of the farthest vertex. Edges and vertices belong to all of their triangles. A program may count all of these
 hits, as this one does, or count hits at one location once.
 
-Most programs round the differences between vertices and the origin of a ray, so that a ray along an edge may pass on either side
+Most programs round the differences between vertices and the origin of a ray. A ray along an edge may then pass on either side
 of it. Both results count as right here, but a ray that passes between the triangles is wrong. The tests of this project
 require the exact side.
 
-tinybvh has no query of all hits, so its column tests closest hits only. It is called through its Rust bindings, tinybvh-rs: the
-binary tree `bvh::BVH` with default settings, rays from `Ray::new`, and the end of the ray in `hit.t`. Its build is for this processor.
+tinybvh has no query of all hits, so its column tests closest hits only. It is called through its Rust bindings, tinybvh-rs. The
+tree is `bvh::BVH` with default settings, rays are from `Ray::new`, and `hit.t` is the end of the ray. Its build is for this processor.
 
 Written by `python bindings/python/tests/field_cases/compare.py --write`, Python {platform.python_version()}, on {platform.machine()}:
 

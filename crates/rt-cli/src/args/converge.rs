@@ -14,6 +14,7 @@ use super::values;
 const MAX_SPP: u32 = 1 << 31;
 
 #[derive(Debug, Args)]
+#[command(mut_arg("passes", |arg| arg.help("Split the samples into N independent passes [default: 1]")))]
 pub(crate) struct ConvergeArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,

@@ -25,8 +25,6 @@ pub(crate) struct ImageArgs {
     pub(crate) spp: Option<u32>,
 
     /// Split the samples into N independent passes to estimate the error [default: 1; for stochastic integrators 2 or 4, unless that doubles the samples]
-    ///
-    /// `converge` takes 1 by default.
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 16), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) passes: Option<u32>,
 

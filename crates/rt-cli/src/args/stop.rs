@@ -24,8 +24,9 @@ pub(crate) struct StopArgs {
     ///   sqrt(mean of v) / (mean of m)
     ///
     /// For a pixel and a channel, m is the estimated radiance and v the variance of that estimate. Both means are over all pixels
-    /// and channels. All pixels take the same number of samples. The error is tested after each pass, from 16 samples on, and is
-    /// reported with a 95 % confidence interval. Images of fewer than 1024 pixels are rendered again, as with --two-stage.
+    /// and channels. All pixels take the same number of samples. The error is tested after each pass, from 16 samples on, or
+    /// at --spp if that is less. It is reported with a 95 % confidence interval. Images of fewer than 1024 pixels are rendered
+    /// again, as with --two-stage.
     #[arg(long, value_name = "PERCENT", value_parser = values::percentage, conflicts_with = "passes", allow_hyphen_values = true)]
     pub(crate) target_error: Option<f64>,
 

@@ -23,7 +23,7 @@ fn a_camera_that_looks_away_is_reported() {
         let run = render(&away, options);
         let [warning] = warnings(&run)[..] else { panic!("{options}: {run:?}") };
         assert!(
-            warning.contains("no camera ray hits an object") && warning.contains("--look-at 0,0,0 (the center"),
+            warning.contains("no camera ray hits an object") && warning.contains("--look-at 0,0,0 (the centre"),
             "{run:?}"
         );
         assert_eq!(run.code, Some(0));
@@ -40,7 +40,7 @@ fn a_camera_that_looks_away_is_reported() {
 fn the_centre_of_a_small_scene_has_enough_digits() {
     let nodes = "nodes: [(shape: sphere(center: (3e-5, 0, 0), radius: 1e-5))]";
     let run = render(&format!("(camera: (look_from: (0, 0, 5), look_at: (0, 0, 9)), {nodes})"), "");
-    assert!(run.stderr.contains("try --look-at 3.000e-5,0,0 (the center of the scene)"), "{run:?}");
+    assert!(run.stderr.contains("try --look-at 3.000e-5,0,0 (the centre of the scene)"), "{run:?}");
 }
 
 #[test]

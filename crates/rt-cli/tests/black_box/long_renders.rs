@@ -87,9 +87,8 @@ fn an_interrupt_before_the_first_tile_keeps_older_images() {
     signal(&child, "INT");
     let run = Run::end(child);
     assert_eq!(run.code, Some(130), "{run:?}");
-    let message = "error: interrupted after 0.0 % of the samples, before the first tile was finished; no image was \
-                   written, and older files are unchanged; --resume continues from scene.exr.checkpoint; with --time, \
-                   passes are finished sooner\n";
+    let message = "error: interrupted before the first tile was finished: no image was written, and older files are \
+                   unchanged; --resume continues from scene.exr.checkpoint; with --time, passes are finished sooner\n";
     assert_eq!(run.stderr, message);
     for (file, content) in older {
         assert!(place.read(file) == content, "{file}");
@@ -237,7 +236,7 @@ fn a_checkpoint_of_another_image_is_kept_aside() {
         let run = place.succeed(&format!("{LONG} --seed 7"));
         let notes: Vec<_> = run.stdout.lines().filter(|line| line.contains("scene.exr.checkpoint")).collect();
         assert!(notes.len() == 1 && notes[0].starts_with("note: scene.exr.checkpoint: is "), "{run:?}");
-        let fate = format!("; it is kept as {aside}, and this render starts from the beginning");
+        let fate = format!("; kept as {aside}; this render starts over");
         assert!(notes[0].ends_with(&fate), "{run:?}");
         assert_eq!((place.read(aside), place.read("scene.exr")), (content.to_vec(), other.read("scene.exr")));
         assert!(!place.path("scene.exr.checkpoint").exists());
@@ -274,8 +273,8 @@ fn a_damaged_checkpoint_of_this_image_is_kept_aside() {
     damaged[middle] ^= 4;
     place.write("scene.exr.checkpoint", &damaged);
     let run = place.succeed(LONG);
-    let note = "note: scene.exr.checkpoint: is damaged: its content does not match its hash; it is kept as \
-                scene.exr.checkpoint.old, and this render starts from the beginning\n";
+    let note = "note: scene.exr.checkpoint: is damaged: its content does not match its hash; kept as \
+                scene.exr.checkpoint.old; this render starts over\n";
     assert!(run.stdout.contains(note), "the note does not advise to remove the file: {run:?}");
     assert_eq!(place.read("scene.exr.checkpoint.old"), damaged);
 }

@@ -110,7 +110,8 @@ fn rounded_samples_are_announced() {
     let place = Workplace::with_scene();
     let run = place.succeed("render scene.ron --sampler jittered --spp 10");
     assert!(
-        run.stdout.contains("note: 16 samples per pixel instead of 10: the sampler jittered does not support fewer\n"),
+        run.stdout
+            .contains("note: 16 samples per pixel instead of 10: the next number that the sampler jittered supports\n"),
         "{run:?}"
     );
     let run = place.succeed("render scene.ron --spp 3 --passes 2");

@@ -95,7 +95,9 @@ fn an_image_beyond_the_memory_limit_is_refused_with_a_message() {
     view.post("settings", &json!({ "size": [3000, 2000] }).to_string());
     let (state, _) = view.watch(|state| state["message"].is_string());
     assert!(
-        state["message"].as_str().is_some_and(|message| message.contains("above the limit of 64.0 MiB (--memory)")),
+        state["message"]
+            .as_str()
+            .is_some_and(|message| message.contains("above the limit of 64.0 MiB (raise --memory)")),
         "{state}"
     );
     view.post("settings", &json!({ "size": [96, 64] }).to_string());

@@ -280,7 +280,7 @@ fn a_limit_of_the_address_space_is_part_of_the_default() {
     let run = command.output().expect("a shell");
     let said = String::from_utf8_lossy(&run.stderr);
     assert_eq!(run.status.code(), Some(3), "{said}");
-    assert!(said.contains("more than the limit of 366.2 MiB (--memory)"), "{said}");
+    assert!(said.contains("more than the limit of 366.2 MiB (raise --memory)"), "{said}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::cursor::{Cursor, Key};
 use crate::Warning;
+use crate::error::times;
 use crate::excerpt::Position;
 
 /// An earlier spelling of a field, or of a choice for a field.
@@ -88,8 +89,8 @@ pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
     let warning = |(spelling, found): (&Deprecated, Option<(usize, usize)>)| {
         let (at, count) = found?;
         let Position { line, column } = Position::of(text, at);
-        let times = if count > 1 { format!(" ({count} times, this is the first)") } else { String::new() };
-        let message = format!("the spelling `{}` is deprecated: write `{}`{times}", spelling.old, spelling.new);
+        let message =
+            format!("the spelling `{}` is deprecated: write `{}`{}", spelling.old, spelling.new, times(count));
         Some(Warning { place: format!("{file}:{line}:{column}"), message })
     };
     DEPRECATED.iter().zip(found).filter_map(warning).collect()

@@ -14,6 +14,8 @@ pub enum Light {
     /// Emits from a point in all directions.
     Point {
         /// Name for messages.
+        ///
+        /// Example: `name: "lantern"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// Position of the light.
@@ -22,7 +24,7 @@ pub enum Light {
         position: [f64; 3],
         /// Strength; with inverse-square falloff, at distance 1.
         ///
-        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx.
+        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx. Example: `intensity: (30, 28, 25)`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
         /// Meaning of `intensity`.
@@ -47,6 +49,8 @@ pub enum Light {
     /// Emits in one direction from infinitely far away, like the sun.
     Directional {
         /// Name for messages.
+        ///
+        /// Example: `name: "sun"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// The direction in which the light travels; any length but 0.
@@ -55,7 +59,7 @@ pub enum Light {
         direction: [f64; 3],
         /// Strength.
         ///
-        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx.
+        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx. Example: `intensity: (3, 2.8, 2.5)`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
         /// Meaning of `intensity`.
@@ -72,6 +76,8 @@ pub enum Light {
     /// Emits from a point into a cone.
     Spot {
         /// Name for messages.
+        ///
+        /// Example: `name: "spotlight"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// Position of the light.
@@ -94,7 +100,7 @@ pub enum Light {
         outer: f64,
         /// Strength; with inverse-square falloff, at distance 1.
         ///
-        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx.
+        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx. Example: `intensity: (30, 28, 25)`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
         /// Meaning of `intensity`.
@@ -114,6 +120,8 @@ pub enum Light {
     /// An area light: a rectangle or parallelogram.
     Quad {
         /// Name for messages.
+        ///
+        /// Example: `name: "ceiling"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// A corner.
@@ -136,6 +144,8 @@ pub enum Light {
     /// An area light: a disk.
     Disk {
         /// Name for messages.
+        ///
+        /// Example: `name: "disk light"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// Its centre.
@@ -163,6 +173,8 @@ pub enum Light {
     /// An area light: a sphere.
     Sphere {
         /// Name for messages.
+        ///
+        /// Example: `name: "bulb"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// Its centre.
@@ -183,6 +195,8 @@ pub enum Light {
     /// An area light: a cylinder.
     Cylinder {
         /// Name for messages.
+        ///
+        /// Example: `name: "neon tube"`.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         name: String,
         /// The middle of one end.
@@ -260,7 +274,7 @@ pub enum Background {
     Image {
         /// Path of a PNG, JPEG, HDR or EXR file, relative to the directory of the scene file.
         ///
-        /// Example: `file: "wood.png"`.
+        /// Example: `file: "sky.hdr"`.
         file: String,
         /// Factor for its radiance.
         ///

@@ -127,7 +127,7 @@ pub struct SceneFile {
 pub struct Truth {
     /// Mean radiance over all pixels.
     ///
-    /// Unit: radiance.
+    /// Unit: radiance. Example: `mean: 0.5`.
     pub mean: Color,
     /// Source of the value.
     ///

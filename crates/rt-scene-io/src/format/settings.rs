@@ -9,8 +9,9 @@ use crate::{Accel, Integrator};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// Method by which light is computed. The default is `path` for scenes with area lights, an environment image, or physical
-    /// materials, else `whitted`. If the field `lights` is absent, physical materials of models and emissive objects select `path` as well.
+    /// Method by which light is computed. The default is `path` for scenes with area lights, an environment image, or
+    /// physically based materials, else `whitted`. If the field `lights` is absent, physically based materials of models and
+    /// emissive objects select `path` as well.
     ///
     /// Default: `whitted` or `path`, as the scene needs. Example: `integrator: path`.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,7 +3,7 @@
 use std::{borrow::Cow, cell::Cell, collections::HashMap, path::Path};
 
 use base64::{
-    Engine,
+    DecodeError, Engine,
     alphabet::STANDARD,
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
 };
@@ -167,9 +167,20 @@ fn decode_data_uri(rest: &str) -> Result<Vec<u8>, LoadErrorKind> {
     let content: Cow<'_, [u8]> = percent_decode_str(content).into();
     let is_base64 = kind.rsplit_once(';').is_some_and(|(_, last)| last.eq_ignore_ascii_case("base64"));
     if is_base64 {
-        BASE64.decode(content).map_err(|error| LoadErrorKind::Syntax(format!("bad base64: {error}")))
+        BASE64.decode(content).map_err(|error| LoadErrorKind::Syntax(format!("bad base64: {}", base64_fault(&error))))
     } else {
         Ok(content.into_owned())
+    }
+}
+
+/// Fault of a text that should be base64.
+fn base64_fault(error: &DecodeError) -> String {
+    match error {
+        DecodeError::InvalidByte(at, byte) | DecodeError::InvalidLastSymbol { offset: at, symbol: byte, .. } => {
+            format!("{:?} at offset {at} is invalid", char::from(*byte))
+        }
+        DecodeError::InvalidLength(length) => format!("the last of its {length} characters is one too many"),
+        DecodeError::InvalidPadding => "the padding is invalid".to_owned(),
     }
 }
 
@@ -183,7 +194,7 @@ mod tests {
         assert_eq!(fetch("data:application/octet-stream;base64,AQID/w=="), Ok(vec![1, 2, 3, 255]));
         assert_eq!(fetch("data:;base64,AQID/w"), Ok(vec![1, 2, 3, 255]));
         assert_eq!(fetch("data:,a%20b"), Ok(b"a b".to_vec()));
-        assert!(fetch("data:;base64,A!ID").is_err_and(|e| e.starts_with("bad base64")));
+        assert!(fetch("data:;base64,A!ID").is_err_and(|e| e == "bad base64: '!' at offset 1 is invalid"));
         assert!(fetch("data:nothing").is_err_and(|e| e.contains("comma")));
     }
 

@@ -139,7 +139,7 @@ mod tests {
         let small = refused(5 << 20);
         assert_eq!(
             small,
-            "needs 11.0 MiB of memory, more than the limit of 10.0 MiB (--memory); most of it, 6.0 MiB, is \
+            "needs 11.0 MiB of memory, more than the limit of 10.0 MiB (raise --memory); most of it, 6.0 MiB, is \
              for the texture a.png"
         );
         assert!(refused(7 << 20).ends_with("most of it, 7.0 MiB, is for the model b.obj"));

@@ -23,7 +23,7 @@ impl fmt::Display for MemoryError {
         let [predicted, budget, most] = [self.predicted, self.budget, self.most].map(ByteSize);
         write!(
             f,
-            "needs {predicted} of memory, more than the limit of {budget} (--memory); most of it, {most}, is for {}",
+            "needs {predicted} of memory, more than the limit of {budget} (raise --memory); most of it, {most}, is for {}",
             self.largest
         )
     }

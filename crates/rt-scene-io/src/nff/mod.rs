@@ -29,7 +29,7 @@ use self::quadrics::PlacedShape;
 use self::view::NffView;
 use crate::build_mesh::build_mesh;
 use crate::diagnostics::Diagnostics;
-use crate::error::{ErrorAt, LineError};
+use crate::error::{ErrorAt, LineError, times};
 use crate::files::refuse_utf16;
 use crate::format::{Background, Color};
 use crate::memory::{FileSample, load_within_budget};
@@ -222,7 +222,7 @@ impl<'p> NffReader<'p> {
             Some(Background::Constant(Color::from_rgb(self.background.unwrap_or_default().to_array())));
         if let (count @ 1.., line) = self.inside_out {
             let message = "spheres and cones of negative radius are visible from both sides, not only from inside";
-            self.warn(line, format!("{message} ({count} in the file, this is the first)"));
+            self.warn(line, format!("{message}{}", times(count)));
         }
         // A file that is wrong may have no objects only for that.
         self.report.finish()?;

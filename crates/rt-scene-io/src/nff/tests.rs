@@ -83,7 +83,7 @@ fn repairs_are_reported() {
             "m.nff:1: an object comes before the first fill colour; plain grey is used",
             "m.nff: polygons of no fill: triangles without area were dropped: 1 of 1",
             "m.nff: polygons of no fill: no triangles are left; the mesh is left out",
-            "m.nff:1: spheres and cones of negative radius are visible from both sides, not only from inside (2 in the file, this is the first)",
+            "m.nff:1: spheres and cones of negative radius are visible from both sides, not only from inside (2 times, this is the first)",
         ]
     );
     assert_eq!(model.nodes.len(), 3);

@@ -310,7 +310,7 @@ fn corner(word: &str, counts: [usize; 3]) -> Result<Corner, String> {
         if text.is_empty() {
             continue;
         }
-        let index: i64 = text.parse().map_err(|_| format!("`{}` is not an index", shortened(text)))?;
+        let index: i64 = text.parse().map_err(|_| format!("`{}` is not a whole number of 64 bits", shortened(text)))?;
         *slot = absolute(index, counts[kind]);
         match (kind, *slot) {
             (0, None) => {
@@ -373,7 +373,7 @@ mod tests {
         );
         let min = i64::MIN;
         assert!(refused(&format!("f 1 2 {min}")).starts_with("7: vertex "));
-        assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is not an index");
+        assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is not a whole number of 64 bits");
         assert_eq!(refused("f 1/1/1/1 2 3"), "7: `1/1/1/1` is not a corner of a face");
         assert_eq!(refused("f 1 2 /1"), "7: the corner `/1` has no vertex index");
     }

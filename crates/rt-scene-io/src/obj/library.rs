@@ -14,7 +14,7 @@ use super::{
     texture_map::TextureMap,
     textures::{ObjTextures, PixelMeaning},
 };
-use crate::error::ErrorAt;
+use crate::error::{ErrorAt, times};
 use crate::text::lines::decode;
 use crate::{
     LoadError, LoadErrorKind, LoadOptions, Location, MaterialId, Model, Warning,
@@ -115,8 +115,7 @@ impl<'a> MaterialLibrary<'a> {
         refuse_utf16(&bytes).at(file, "")?;
         let mtl::MtlFile { materials, warnings, unknown } = mtl::parse(&decode(&bytes).0);
         for mtl::UnknownStatement { line, keyword, count } in unknown {
-            let times = if count > 1 { format!(" ({count} times, this is the first)") } else { String::new() };
-            let message = format!("the statement `{keyword}` is not known; it is left out{times}");
+            let message = format!("unsupported statement `{keyword}`: left out{}", times(count));
             model.warn(format_args!("{}:{}", file.display(), line), message);
         }
         for (line, message) in warnings {

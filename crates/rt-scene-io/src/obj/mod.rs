@@ -34,7 +34,7 @@ use crate::{
     Content, LoadError, LoadErrorKind, LoadOptions, Model, SceneNode, Warning,
     build_mesh::build_mesh,
     diagnostics::Diagnostics,
-    error::{ErrorAt, LineError},
+    error::{ErrorAt, LineError, times},
     files::refuse_utf16,
     memory::{FileSample, load_within_budget},
     tangents,
@@ -71,10 +71,7 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 were replaced".to_owned());
     }
     for (what, (count, line)) in &document.skipped {
-        model.warn(
-            format_args!("{}:{}", path.display(), *line),
-            format!("{what}: left out ({count} in the file, this is the first)"),
-        );
+        model.warn(format_args!("{}:{}", path.display(), *line), format!("{what}: left out{}", times(*count)));
     }
 
     // `tobj` finds no libraries in the sorted statements; they are read below.

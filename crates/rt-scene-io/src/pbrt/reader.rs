@@ -15,7 +15,7 @@ use super::texture::PbrtTextures;
 use super::view::PbrtCamera;
 use super::{material, state, view};
 use crate::diagnostics::Diagnostics;
-use crate::error::{ErrorInLine, LineError};
+use crate::error::{ErrorInLine, LineError, times};
 use crate::format::{Background, Color};
 use crate::limits::{INCLUDE_DEPTH, INCLUDES, PBRT_ERRORS, SCOPES};
 use crate::text::tokenizer::{Token, TokenKind, Tokenizer, shown};
@@ -420,8 +420,8 @@ impl<'f> PbrtReader<'f> {
             return Err(self.model.empty("has no visible shapes", path));
         }
         let mut model = self.model;
-        for (index, count) in self.warned.into_values().filter(|(_, count)| *count > 1) {
-            model.warnings[index].message += &format!(" ({count} times, this is the first)");
+        for (index, count) in self.warned.into_values() {
+            model.warnings[index].message += &times(count);
         }
         model.textures = self.textures.list;
         if self.emits || self.sky.is_some() || !model.lights.is_empty() {

@@ -119,8 +119,10 @@ impl EffectiveFields {
         if adds {
             let reason = if lights.is_empty() { "The scene has no lights: a" } else { "A" };
             lights.extend(studio_lights());
+            let has_background = self.background.is_some() || options.background.is_some() || has_image;
             self.background.get_or_insert_with(default_background);
-            return Some(format!("{reason} key light, a fill light and ambient light were added."));
+            let rest = if has_background { " and ambient light" } else { ", ambient light and a background" };
+            return Some(format!("{reason} key light, a fill light{rest} were added."));
         }
         let sources = match (has_emissive, has_image) {
             (true, true) => "area lights and the environment image",
@@ -299,7 +301,9 @@ pub(crate) fn rounded(value: f64, size: f64) -> f64 {
         reach *= 10.0;
         decimals += 1;
     }
-    format!("{value:.decimals$}").parse().unwrap_or(value)
+    let rounded: f64 = format!("{value:.decimals$}").parse().unwrap_or(value);
+    // 0 for −0.
+    rounded + 0.0
 }
 
 #[cfg(test)]

@@ -121,8 +121,9 @@ fn bounds_at_rest(
     tree_bounds(&nodes, &groups, &meshes)
 }
 
-/// Path tracing for light that `whitted` lacks: area lights, environment images, physical materials. Without `lights` in the
-/// scene, physical materials of models and emissive objects count too. `used` are the materials of all objects.
+/// Path tracing for light that `whitted` lacks: area lights, environment images, physically based materials. Without
+/// `lights` in the scene, physically based materials of models and emissive objects count too. `used` are the materials of all
+/// objects.
 fn default_integrator(
     file: &SceneFile,
     (used, textures): (&[&Material], &[Texture]),

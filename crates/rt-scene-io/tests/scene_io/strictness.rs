@@ -27,8 +27,8 @@ fn unknown_mtl_statements_are_warned_of() {
     let mtl = b"newmtl a\nKd 1 1 1\nillum 2\nKm 0.5\nmap_Foo x.png\nillum 2\nKm 0.25\n";
     let said = warnings(&[("a.obj", OBJ), ("a.mtl", mtl)]);
     let expected = [
-        "a.mtl:4: the statement `Km` is not known; it is left out (2 times, this is the first)",
-        "a.mtl:5: the statement `map_Foo` is not known; it is left out",
+        "a.mtl:4: unsupported statement `Km`: left out (2 times, this is the first)",
+        "a.mtl:5: unsupported statement `map_Foo`: left out",
     ];
     assert_eq!(said, expected);
     let known =

@@ -72,7 +72,7 @@ impl Renderer<'_> {
         let needed = render.saturating_add(copy_bytes([width, height], self.transparent));
         match self.memory {
             Some(most) if needed > most => Err(format!(
-                "an image of {width}x{height} needs {} of memory, above the limit of {} (--memory)",
+                "an image of {width}x{height} needs {} of memory, above the limit of {} (raise --memory)",
                 ByteSize(needed),
                 ByteSize(most)
             )),
