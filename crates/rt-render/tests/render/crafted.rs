@@ -4,13 +4,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rt_camera::SamplerKind;
 use rt_render::{
-    Checkpoint, ContentError, Criterion, MergeError, Observer, PlanOptions, RenderPlan, RenderSnapshot, RunOptions,
-    Shard, ShardSpec, StopRule, TargetError, UncheckedCheckpoint, UncheckedShard,
+    Checkpoint, ContentError, Criterion, MergeError, Observer, PlanOptions, RenderSnapshot, RunOptions, Shard,
+    ShardSpec, StopRule, TargetError, UncheckedCheckpoint, UncheckedShard,
 };
 use rt_scene_io::{Integrator, Scene};
 use serde_json::{Number, Value, json};
 
-use crate::support::spheres;
+use crate::support::{compile, compile_with, spheres};
 
 /// Two tiles, one of them a single pixel wide.
 const SIZE: [u32; 2] = [17, 3];
@@ -96,8 +96,7 @@ fn collect(value: &Value, pointer: &mut String, found: &mut Vec<String>) {
 fn crafted_numbers_of_parts_are_refused_or_harmless() {
     for integrator in [Integrator::Path, Integrator::Caustics] {
         let scene = scene(integrator);
-        let plan = RenderPlan::compile(&scene, &PlanOptions { transparent: true, ..PlanOptions::default() });
-        let plan = plan.expect("compiles");
+        let plan = compile_with(&scene, PlanOptions { transparent: true, ..PlanOptions::default() });
         let shard = |index| {
             let spec = ShardSpec::new(index, 2).expect("a shard");
             let run = RunOptions { threads: 1, count: true, shard: spec, ..RunOptions::default() };
@@ -140,7 +139,7 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
 #[test]
 fn counts_of_parts_that_overflowed_together_are_refused() {
     let scene = scene(Integrator::Path);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let shards = [0, 1].map(|index| {
         let run = RunOptions { shard: ShardSpec::new(index, 2).expect("a shard"), ..RunOptions::default() };
         let shard = plan.render_shard(&run, None, None, |_| {}).expect("renders");
@@ -190,7 +189,7 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
         (Integrator::Path, Some(target(pixels, true)), 1000),
     ] {
         let scene = scene(integrator);
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&scene);
         // The last checkpoint of a render of two stages is of its second.
         let mut tiles_in_all = 0;
         let count = |_| tiles_in_all += 1;
@@ -226,7 +225,7 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
 fn seeds_of_the_fuzz_targets_are_sound() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
     let scene = scene(Integrator::Path);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let run = |spec| RunOptions { threads: 1, maps: true, shard: spec, ..RunOptions::default() };
     if std::env::var_os("WRITE_SEEDS").is_some() {
         for index in [0, 1] {

@@ -1,16 +1,13 @@
 //! Determinism: the image is a function of scene, settings and seed, bit for bit.
 
-use crate::support::{diffuse_shapes, everything, film, spheres};
 use rt_camera::{Filter, SamplerKind};
 use rt_image::Image;
 use rt_math::Rgb;
-use rt_render::{Crop, FirstHitLayer, PlanOptions, Precision, Quality, RenderPlan, Rendering, RunOptions, SimdLevel};
-use rt_scene_io::{Accel, Integrator, Scene};
+use rt_render::{Crop, FirstHitLayer, PlanOptions, Precision, Quality, RunOptions, SimdLevel};
+use rt_scene_io::{Accel, Integrator};
 use rt_shading::ColorTexture;
 
-fn render(scene: &Scene, plan: PlanOptions, run: RunOptions) -> Rendering {
-    RenderPlan::compile(scene, &plan).expect("the scene compiles").render(&run, |_| {}).expect("threads start")
-}
+use crate::support::{compile, diffuse_shapes, everything, film, full, render, spheres};
 
 /// Asserts that the image is neither black nor constant.
 fn assert_interesting(film: &Image) {
@@ -39,7 +36,7 @@ fn renders_on_threads_of_a_pool_do_not_nest() {
     use rayon::prelude::*;
     thread_local!(static RENDERS: core::cell::Cell<u32> = const { core::cell::Cell::new(0) });
     let scene = spheres();
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let run = RunOptions { threads: 2, ..RunOptions::default() };
     let deepest = |render: &(dyn Fn() + Sync)| {
         let depth = |_| {
@@ -88,7 +85,7 @@ fn trimming_does_not_change_the_image() {
     for mut scene in [spheres(), everything()] {
         for integrator in [Integrator::Whitted, Integrator::Normals, Integrator::Depth, Integrator::Uv] {
             scene.settings.integrator = integrator;
-            let full = render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, RunOptions::default());
+            let full = render(&scene, full(), RunOptions::default());
             assert_eq!(film(&scene), full.film, "{}: {integrator:?}", scene.name);
         }
     }
@@ -103,7 +100,7 @@ fn trimming_does_not_change_paths_in_streams() {
         let rendered = |options| render(&scene, options, RunOptions::default()).film;
         let trimmed = film(&scene);
         assert_interesting(&trimmed);
-        assert_eq!(trimmed, rendered(PlanOptions { full: true, ..PlanOptions::default() }), "{integrator:?}");
+        assert_eq!(trimmed, rendered(full()), "{integrator:?}");
         let exact = rendered(PlanOptions { precision: Precision::F64, ..PlanOptions::default() });
         let differ = trimmed.pixels().iter().flatten().zip(exact.pixels().iter().flatten());
         let differ = differ.map(|(a, b)| (a - b).abs() / b.max(1e-3)).fold(0.0, f32::max);

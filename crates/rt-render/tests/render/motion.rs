@@ -1,12 +1,13 @@
 //! Motion blur: animated objects are intersected at the time of each ray.
 
-use crate::support::{everything, film, film_with, sphere, spheres};
 use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan};
 use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
+
+use crate::support::{compile, everything, film, film_with, full, sphere, spheres};
 
 fn shift(x: f64, y: f64, z: f64) -> Transform {
     Transform::translate(DVec3::new(x, y, z))
@@ -64,7 +65,7 @@ fn a_minimal_shutter_interval_gives_the_static_image() {
     scene.settings.passes = Some(1);
     let still = film(&frozen(&scene, 0.375));
     scene.cameras[0].settings.shutter = [0.375, 0.375_f64.next_up()];
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     assert!(!plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
     let moving = film(&scene);
     let differs = |(a, b): &(&[f32; 3], &[f32; 3])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);
@@ -195,7 +196,7 @@ fn the_image_is_the_same_for_all_threads_structures_and_plans() {
             scene.settings.integrator = integrator;
             let image = film(&scene);
             assert_eq!(film_with(&scene, PlanOptions::default(), 1), image);
-            assert_eq!(film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), image);
+            assert_eq!(film_with(&scene, full(), 3), image);
             // One half of them with a static camera, the other with a moving one.
             for &accel in Accel::ALL.iter().skip(usize::from(camera_moves)).step_by(2) {
                 let other = Scene { settings: RenderSettings { accel, ..scene.settings }, ..scene.clone() };
@@ -221,11 +222,11 @@ fn objects_that_cross_the_view_are_not_culled() {
             node
         })
         .collect();
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let explanation = plan.explain();
     assert!(explanation.left_out.iter().any(|left| left.what == "objects, for camera rays"));
     assert!(explanation.used.iter().any(|line| line.starts_with("200 animated objects:")));
-    let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    let full = film_with(&scene, full(), 0);
     assert_eq!(film(&scene), full);
 }
 
@@ -238,7 +239,7 @@ fn static_scenes_sample_no_time() {
         node.moves_to = Some(node.parent_from_local);
     }
     scene.cameras[0].settings.moves_to = Some(scene.cameras[0].settings.world_from_camera);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     assert!(plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
     assert_eq!(film(&scene), image);
 }
@@ -315,7 +316,7 @@ fn camera_motion_equals_inverse_world_motion() {
     for node in &mut moving_world.nodes {
         node.moves_to = Some(step.inverse());
     }
-    let plan = RenderPlan::compile(&moving_camera, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&moving_camera);
     assert!(plan.explain().used.iter().any(|line| line.starts_with("animated camera:")));
     let covered = |scene: &Scene| {
         let options = PlanOptions { transparent: true, ..PlanOptions::default() };
@@ -353,12 +354,12 @@ fn animated_lights_are_found_by_rays() {
         });
         assert!(still > 0.01 && (moving / still - 1.0).abs() < 0.02, "{integrator:?}: {moving} {still}");
     }
-    let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&moving);
     assert!(
         plan.explain().used.iter().all(|line| !line.starts_with("moving emitters")),
         "whitted samples no area lights"
     );
     moving.settings.integrator = Integrator::Path;
-    let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&moving);
     assert!(plan.explain().used.iter().any(|line| line.starts_with("moving emitters")));
 }

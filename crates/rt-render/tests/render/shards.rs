@@ -10,7 +10,7 @@ use rt_render::{
 };
 use rt_scene_io::{AdaptiveSampling, Integrator, MaterialId, Scene, SceneNode};
 
-use crate::support::{everything, sphere, spheres};
+use crate::support::{compile, compile_with, everything, sphere, spheres};
 
 /// Saves a checkpoint after some tiles and interrupts the render some tiles later.
 struct Killer<'a> {
@@ -94,7 +94,7 @@ fn assert_same(one: &Rendering, other: &Rendering, what: &str) {
 #[test]
 fn resumed_renders_are_bit_identical() {
     for (number, mode) in modes().iter().enumerate() {
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let whole = shard(&plan, mode, &RUN).into_rendering();
         let mut kills_in_all = 0;
         // Short renders can finish before the interrupt takes effect, most often on a busy machine.
@@ -154,7 +154,7 @@ fn snapshots_contain_the_pixels_of_finished_tiles() {
         }
         let film = &mode.scene.film;
         let mut copier = TileCopier(vec![[0.0; 3]; (film.width * film.height) as usize], film.width);
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let shard = plan.render_shard(&RUN, mode.rule.as_ref(), None, &mut copier).expect("renders");
         assert_eq!(shard.into_rendering().film.pixels(), copier.0, "{}", mode.name);
     }
@@ -163,7 +163,7 @@ fn snapshots_contain_the_pixels_of_finished_tiles() {
 #[test]
 fn joined_shares_are_bit_identical_to_one_render() {
     for mode in modes().iter().filter(|mode| mode.rule.is_none()) {
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let whole = shard(&plan, mode, &RUN).into_rendering();
         // Light paths belong to no tile: each shard traces all of them.
         let traces_all = mode.scene.settings.integrator == Integrator::Caustics;
@@ -187,7 +187,7 @@ fn joined_shares_are_bit_identical_to_one_render() {
 #[test]
 fn join_errors_name_the_part() {
     let mode = &modes()[0];
-    let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&mode.scene);
     let of =
         |index, count| shard(&plan, mode, &RunOptions { shard: ShardSpec::new(index, count).expect("a shard"), ..RUN });
     let [a, b, c] = [0, 1, 2].map(|index| of(index, 3));
@@ -198,7 +198,7 @@ fn join_errors_name_the_part() {
     assert_eq!(Shard::merge(vec![a.clone(), of(1, 4), c.clone()]), Err(other));
     let mut small = mode.scene.clone();
     small.film.width -= 1;
-    let foreign = RenderPlan::compile(&small, &PlanOptions::default()).expect("compiles");
+    let foreign = compile(&small);
     let foreign = shard(&foreign, mode, &RunOptions { shard: ShardSpec::new(1, 3).expect("a shard"), ..RUN });
     assert_eq!(Shard::merge(vec![a.clone(), foreign, c.clone()]), Err(MergeError::Foreign(1)));
 
@@ -220,7 +220,7 @@ fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
     // It covers the image, so that no tile is empty.
     scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 6.0), MaterialId(0))];
     scene.settings.spp = 1 << 30;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let interrupt = AtomicBool::new(false);
     let mut finished = 0;
     let shard = std::thread::scope(|scope| {
@@ -240,7 +240,7 @@ fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
 fn interrupted_parts_of_passes_are_unfinished() {
     let mode = &modes()[2];
     assert_eq!(mode.name, "caustics");
-    let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&mode.scene);
     let interrupt = AtomicBool::new(true);
     let shards = [0, 1].map(|index| {
         let run = RunOptions { interrupt: Some(&interrupt), shard: ShardSpec::new(index, 2).expect("a shard"), ..RUN };
@@ -254,7 +254,7 @@ fn interrupted_parts_of_passes_are_unfinished() {
 #[test]
 fn checkpoints_of_other_renders_are_refused() {
     let keep = |mode: &Mode, options: &PlanOptions, run: RunOptions<'_>| {
-        let plan = RenderPlan::compile(&mode.scene, options).expect("compiles");
+        let plan = compile_with(&mode.scene, *options);
         let interrupt = AtomicBool::new(false);
         let mut killer =
             Killer { kept_after: 1, killed_after: 1, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
@@ -265,7 +265,7 @@ fn checkpoints_of_other_renders_are_refused() {
     let modes = modes();
     let [plain, path, growing, target] = [0, 1, 4, 5].map(|index| &modes[index]);
     let try_in = |checkpoint: &[u8], mode: &Mode, run: RunOptions<'_>| {
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let from = postcard::from_bytes(checkpoint).expect("read");
         plan.render_shard(&run, mode.rule.as_ref(), Some(from), |_| {}).map(|_| ())
     };
@@ -289,7 +289,7 @@ fn checkpoints_of_other_renders_are_refused() {
 #[test]
 fn a_share_takes_a_fixed_number_of_samples() {
     let modes = modes();
-    let plan = RenderPlan::compile(&modes[4].scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&modes[4].scene);
     let run = RunOptions { shard: ShardSpec::new(0, 2).expect("a shard"), ..RUN };
     let refused = plan.render_shard(&run, modes[4].rule.as_ref(), None, |_| {});
     assert!(matches!(refused, Err(RenderError::ShardWithStopRule)));
