@@ -4,7 +4,7 @@ use rt_camera::{CameraSettings, Filter};
 use rt_geometry::{Plane, Rectangle, Shape};
 use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, Rendering, RunOptions, StopRule};
-use rt_scene_io::{Accel, Content, Integrator, MeshId, RenderSettings, Scene, SceneNode};
+use rt_scene_io::{Content, Integrator, MeshId, RenderSettings, Scene, SceneNode};
 use rt_shading::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, MaterialModel,
     bsdf::ComplexIor, light::EmissionSides,
@@ -47,7 +47,7 @@ fn scene(camera: CameraSettings, materials: Vec<Material>, nodes: Vec<SceneNode>
     let settings = RenderSettings { spp: 1 << 10, passes: Some(16), ..scene.settings };
     scene.settings = RenderSettings { integrator: Integrator::Caustics, ..settings };
     scene.appearance.lights = lights;
-    scene
+    Scene { name: "caustics".into(), ..scene }
 }
 
 fn nodes(of: &[(Content, u32)]) -> Vec<SceneNode> {
@@ -170,7 +170,7 @@ fn a_flat_mirror_reflects_each_kind_of_light() {
 /// Scene that path tracing can render as well: its area lights are large, one of them behind glass.
 ///
 /// Objects: clear, rough and absorbing glass spheres, a metal block, and a mesh with interpolated normals.
-fn comparable() -> Scene {
+pub(crate) fn comparable() -> Scene {
     let camera = camera([0.0, 3.0, 7.0], DVec3::Y * 0.8, DVec3::Y, 0.8);
     let contents = [
         (floor(), 0),
@@ -251,35 +251,6 @@ fn caustics_agree_with_path_tracing() {
     assert!(largest(&blocks) > 20.0 && whole.abs() > 20.0, "{blocks:.1?}, all {whole:.1}");
 }
 
-/// The scene with all features, at 8 samples per pixel.
-fn small() -> Scene {
-    let mut scene = everything();
-    scene.settings = RenderSettings { integrator: Integrator::Caustics, spp: 8, passes: Some(2), ..scene.settings };
-    scene
-}
-
-#[test]
-fn threads_structures_and_trimming_change_no_bit() {
-    for (turn, mut scene) in [small(), comparable()].into_iter().enumerate() {
-        (scene.settings.spp, scene.settings.passes) = (4, Some(2));
-        let render = |scene: &Scene, plan: PlanOptions, threads| {
-            let run = RunOptions { threads, count: true, ..RunOptions::default() };
-            compile_with(scene, plan).render(&run, |_| {}).expect("threads start")
-        };
-        let one = render(&scene, PlanOptions::default(), 1);
-        let mut without = scene.clone();
-        without.settings.integrator = Integrator::Path;
-        assert_ne!(one.film, film(&without), "there is nothing to compare");
-        let many = render(&scene, PlanOptions::default(), 3);
-        assert_eq!((&one.film, one.statistics.counters), (&many.film, many.statistics.counters), "threads");
-        assert_eq!(one.film, render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 2).film, "trimming");
-        for &accel in &[Accel::Linear, Accel::Grid, Accel::Bvh, Accel::Kd][2 * turn..][..2] {
-            scene.settings.accel = accel;
-            assert_eq!(one.film, film(&scene), "{accel:?}");
-        }
-    }
-}
-
 #[test]
 fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
     for filter in [Filter::Box, Filter::Mitchell] {
@@ -303,15 +274,23 @@ fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
 fn without_mirrors_and_glass_it_is_path_tracing() {
     let mut scene = comparable();
     scene.settings.spp = 4;
+    let both = |scene: &Scene| {
+        let settings =
+            [Integrator::Caustics, Integrator::Path].map(|integrator| RenderSettings { integrator, ..scene.settings });
+        settings.map(|settings| film(&Scene { settings, ..scene.clone() }))
+    };
+    for scene in [&scene, &everything()] {
+        let [caustics, path] = both(scene);
+        assert_ne!(caustics, path, "{}: there is nothing to compare", scene.name);
+    }
     scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
     scene.appearance.materials.extend([
         emissive(4.0, EmissionSides::Front),
         emissive(3.0, EmissionSides::Both),
         diffuse(0.4),
     ]);
-    let caustics = film(&scene);
-    scene.settings.integrator = Integrator::Path;
-    assert_eq!(caustics, film(&scene));
+    let [caustics, path] = both(&scene);
+    assert_eq!(caustics, path);
 }
 
 #[test]

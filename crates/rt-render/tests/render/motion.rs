@@ -4,7 +4,7 @@ use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
+use rt_scene_io::{AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
 
 use crate::support::{compile, everything, film, film_with, full, sphere, spheres};
@@ -14,7 +14,7 @@ fn shift(x: f64, y: f64, z: f64) -> Transform {
 }
 
 /// Scene in which everything except the floor moves: shapes, a mesh, instances, and an object within a group.
-fn everything_moves() -> Scene {
+pub(crate) fn everything_moves() -> Scene {
     let mut scene = everything();
     let turn = Transform::rotate(DVec3::new(0.3, 1.0, -0.2), 0.7).expect("an axis");
     for (i, node) in (0..).zip(&mut scene.nodes).skip(1) {
@@ -22,6 +22,13 @@ fn everything_moves() -> Scene {
         node.moves_to = Some(step.compose(&node.parent_from_local).compose(&turn));
     }
     scene.groups[1].nodes[2].moves_to = Some(shift(0.0, 0.5, 0.0));
+    scene
+}
+
+/// The camera moves as well.
+pub(crate) fn camera_moves(mut scene: Scene) -> Scene {
+    let camera = &mut scene.cameras[0].settings;
+    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     scene
 }
 
@@ -44,9 +51,7 @@ fn frozen(scene: &Scene, time: f64) -> Scene {
 
 #[test]
 fn a_shutter_interval_of_length_zero_gives_the_static_image() {
-    let mut scene = everything_moves();
-    let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
+    let mut scene = camera_moves(everything_moves());
     for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Depth] {
         scene.settings.integrator = integrator;
         for time in [0.0, 0.375, 1.0] {
@@ -100,10 +105,8 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
 /// All rays of a camera path share its time, and all rays of a light path have the time of that path.
 #[test]
 fn the_image_is_the_mean_of_static_images() {
-    let mut scene = everything_moves();
+    let mut scene = camera_moves(everything_moves());
     scene.appearance.materials[5].emission = ColorTexture::ZERO;
-    let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for (integrator, tolerance) in [
         (Integrator::Whitted, 0.015),
         (Integrator::Distributed, 0.015),
@@ -181,29 +184,6 @@ fn edges_are_looked_for_where_nothing_moves() {
     (camera.shutter, camera.moves_to) = ([0.0, 0.5], Some(shift(0.0, 1.0, 9.0)));
     scene.nodes[3].moves_to = None;
     assert!(matches!(refusal(&scene), Some(RenderError::AdaptiveMotion)));
-}
-
-#[test]
-fn the_image_is_the_same_for_all_threads_structures_and_plans() {
-    let mut scene = everything_moves();
-    (scene.film.width, scene.film.height) = (31, 22);
-    for camera_moves in [false, true] {
-        if camera_moves {
-            let camera = &mut scene.cameras[0].settings;
-            camera.moves_to = Some(shift(0.5, 0.2, -0.5).compose(&camera.world_from_camera));
-        }
-        for integrator in [Integrator::Whitted, Integrator::Caustics] {
-            scene.settings.integrator = integrator;
-            let image = film(&scene);
-            assert_eq!(film_with(&scene, PlanOptions::default(), 1), image);
-            assert_eq!(film_with(&scene, full(), 3), image);
-            // One half of them with a static camera, the other with a moving one.
-            for &accel in Accel::ALL.iter().skip(usize::from(camera_moves)).step_by(2) {
-                let other = Scene { settings: RenderSettings { accel, ..scene.settings }, ..scene.clone() };
-                assert_eq!(film(&other), image, "{integrator:?} {accel:?}");
-            }
-        }
-    }
 }
 
 /// 200 spheres that move in all directions past a static camera. Culling excludes most, and none that is visible at any time.
