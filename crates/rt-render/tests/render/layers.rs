@@ -1,24 +1,20 @@
 //! Layers of the first surfaces that camera rays hit.
 
 use std::collections::BTreeSet;
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
-};
+use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection, SamplerKind};
 use rt_geometry::{Cuboid, MeshData, Rectangle, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_render::{
-    Checkpoint, Crop, FAR_DEPTH, FirstHitLayer, LayerValues, Observer, PlanOptions, RenderPlan, RenderSnapshot,
-    Rendering, RunOptions, StopRule,
+    Crop, FAR_DEPTH, FirstHitLayer, LayerValues, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule,
 };
 use rt_scene_io::{
     Accel, AdaptiveSampling, Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode,
 };
 use rt_shading::{ColorTexture, Material, MaterialModel, light::EmissionSides};
 
-use crate::support::{compile, compile_with, everything, full, sphere, spheres};
+use crate::support::{compile, compile_with, everything, full, interrupted, sphere, spheres};
 
 fn all(plan: &RenderPlan<'_>, threads: usize) -> Vec<LayerValues> {
     plan.first_hit_layers(FirstHitLayer::ALL, plan.samples_per_pixel(), threads).expect("threads")
@@ -245,24 +241,6 @@ fn integrators_share_the_layers() {
     }
 }
 
-/// Interrupts a render after two tiles and keeps them.
-struct TwoTiles<'a> {
-    tiles: u32,
-    checkpoint: Option<Checkpoint>,
-    interrupt: &'a AtomicBool,
-}
-
-impl Observer for &mut TwoTiles<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        self.tiles += 1;
-        if self.tiles == 2 {
-            let bytes = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
-            self.checkpoint = Some(postcard::from_bytes(&bytes).expect("read"));
-            self.interrupt.store(true, Ordering::Relaxed);
-        }
-    }
-}
-
 /// Scenes with all integrators, with more and with fewer samples than layers take, also in several passes.
 fn scenes_of_all_kinds() -> Vec<Scene> {
     let mut scenes = Vec::new();
@@ -318,17 +296,15 @@ fn layers_of_resumed_renders_are_those_of_whole_ones() {
         let mut scene = everything();
         (scene.settings.integrator, scene.settings.spp) = (integrator, 9);
         let plan = compile(&scene);
-        let interrupt = AtomicBool::new(false);
-        let mut kept = TwoTiles { tiles: 0, checkpoint: None, interrupt: &interrupt };
         let run = RunOptions { threads: 1, layers: FirstHitLayer::ALL, ..RunOptions::default() };
-        let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
-        let shard = plan.render_shard(&interrupted, None, None, &mut kept).expect("it renders");
-        let (expected, mut rendering) = (all(&plan, 1), shard.into_rendering());
+        let (checkpoint, mut rendering) = interrupted(&plan, None, None, run, [2, 2]);
+        let expected = all(&plan, 1);
         let of = |rendering: &Rendering| rendering.layers.clone().expect("layers were asked for");
         assert!(of(&rendering).values() != expected, "{integrator:?} was not interrupted");
         plan.complete_layers(&mut rendering, 1).expect("threads");
         assert!(of(&rendering).values() == expected, "{integrator:?}, interrupted");
-        let resumed = plan.render_shard(&run, None, kept.checkpoint, |_| {}).expect("it renders");
+        let checkpoint = postcard::from_bytes(&checkpoint).expect("read");
+        let resumed = plan.render_shard(&run, None, Some(checkpoint), |_| {}).expect("it renders");
         let mut rendering = resumed.into_rendering();
         assert!(of(&rendering).values() != expected, "{integrator:?} was not resumed");
         plan.complete_layers(&mut rendering, 1).expect("threads");

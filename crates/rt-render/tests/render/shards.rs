@@ -5,33 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rt_camera::SamplerKind;
 use rt_math::random::hash;
 use rt_render::{
-    Checkpoint, MergeError, Observer, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
-    Shard, ShardSpec, StopRule, Stopped, TargetError,
+    Checkpoint, MergeError, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions, Shard,
+    ShardSpec, StopRule, Stopped, TargetError,
 };
 use rt_scene_io::{AdaptiveSampling, Integrator, MaterialId, Scene, SceneNode};
 
-use crate::support::{compile, compile_with, everything, sphere, spheres};
-
-/// Saves a checkpoint after some tiles and interrupts the render some tiles later.
-struct Killer<'a> {
-    kept_after: u64,
-    killed_after: u64,
-    tiles: u64,
-    checkpoint: Vec<u8>,
-    interrupt: &'a AtomicBool,
-}
-
-impl Observer for Killer<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        self.tiles += 1;
-        if self.tiles == self.kept_after {
-            self.checkpoint = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
-        }
-        if self.tiles >= self.killed_after {
-            self.interrupt.store(true, Ordering::Relaxed);
-        }
-    }
-}
+use crate::support::{OnTile, compile, compile_with, everything, interrupted, sphere, spheres};
 
 /// Mode of rendering: a scene and a stop rule.
 struct Mode {
@@ -105,20 +84,15 @@ fn resumed_renders_are_bit_identical() {
             let mut from = None;
             let mut kills = 0;
             let result = loop {
-                let interrupt = AtomicBool::new(false);
                 let random = |dimension, max| 1 + hash(&[number as u64, seed, kills, dimension]) % max;
                 let kept_after = random(0, 5);
-                let killed_after = kept_after + random(1, 4);
-                let mut killer =
-                    Killer { kept_after, killed_after, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
-                let run = RunOptions { interrupt: Some(&interrupt), ..RUN };
-                let shard = plan.render_shard(&run, mode.rule.as_ref(), from, &mut killer).expect("renders");
-                let rendering = shard.into_rendering();
+                let tiles = [kept_after, kept_after + random(1, 4)];
+                let (checkpoint, rendering) = interrupted(&plan, mode.rule.as_ref(), from, RUN, tiles);
                 if rendering.stopped != Stopped::Interrupted {
                     break rendering;
                 }
                 kills += 1;
-                from = Some(postcard::from_bytes::<Checkpoint>(&killer.checkpoint).expect("read"));
+                from = Some(postcard::from_bytes::<Checkpoint>(&checkpoint).expect("read"));
             };
             let what = format!("{} with seed {seed} after {kills} kills", mode.name);
             kills_in_all += kills;
@@ -132,31 +106,22 @@ fn resumed_renders_are_bit_identical() {
     }
 }
 
-impl Observer for &mut Killer<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        (**self).tile_done(snapshot);
-    }
-}
-
 #[test]
 fn snapshots_contain_the_pixels_of_finished_tiles() {
     for mode in modes().iter().filter(|mode| mode.rule.is_none_or(|rule| rule.target.is_none())) {
-        struct TileCopier(Vec<[f32; 3]>, u32);
-        impl Observer for &mut TileCopier {
-            fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-                let tile = snapshot.tile();
-                for (index, pixel) in snapshot.pixels().into_iter().enumerate() {
-                    let (x, y) = (tile.x + index as u32 % tile.width, tile.y + index as u32 / tile.width);
-                    self.0[(y * self.1 + x) as usize] = pixel;
-                }
-                assert_eq!(snapshot.film().pixels(), self.0);
-            }
-        }
         let film = &mode.scene.film;
-        let mut copier = TileCopier(vec![[0.0; 3]; (film.width * film.height) as usize], film.width);
+        let mut copied = vec![[0.0; 3]; (film.width * film.height) as usize];
+        let observer = OnTile(|snapshot: &RenderSnapshot<'_>| {
+            let tile = snapshot.tile();
+            for (index, pixel) in snapshot.pixels().into_iter().enumerate() {
+                let (x, y) = (tile.x + index as u32 % tile.width, tile.y + index as u32 / tile.width);
+                copied[(y * film.width + x) as usize] = pixel;
+            }
+            assert_eq!(snapshot.film().pixels(), copied);
+        });
         let plan = compile(&mode.scene);
-        let shard = plan.render_shard(&RUN, mode.rule.as_ref(), None, &mut copier).expect("renders");
-        assert_eq!(shard.into_rendering().film.pixels(), copier.0, "{}", mode.name);
+        let shard = plan.render_shard(&RUN, mode.rule.as_ref(), None, observer).expect("renders");
+        assert_eq!(shard.into_rendering().film.pixels(), copied, "{}", mode.name);
     }
 }
 
@@ -255,12 +220,7 @@ fn interrupted_parts_of_passes_are_unfinished() {
 fn checkpoints_of_other_renders_are_refused() {
     let keep = |mode: &Mode, options: &PlanOptions, run: RunOptions<'_>| {
         let plan = compile_with(&mode.scene, *options);
-        let interrupt = AtomicBool::new(false);
-        let mut killer =
-            Killer { kept_after: 1, killed_after: 1, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
-        let run = RunOptions { interrupt: Some(&interrupt), ..run };
-        plan.render_shard(&run, mode.rule.as_ref(), None, &mut killer).expect("renders");
-        killer.checkpoint
+        interrupted(&plan, mode.rule.as_ref(), None, run, [1, 1]).0
     };
     let modes = modes();
     let [plain, path, growing, target] = [0, 1, 4, 5].map(|index| &modes[index]);

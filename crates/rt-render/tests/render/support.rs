@@ -1,12 +1,15 @@
 //! Scenes built in code, for the tests of this crate.
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, InsideRule, MeshData, Plane, Polygon, Shape, Sphere, Triangle, TriangleMesh};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, Vec3};
-use rt_render::{PlanOptions, RenderPlan, Rendering, RunOptions};
+use rt_render::{Checkpoint, Observer, PlanOptions, RenderPlan, RenderSnapshot, Rendering, RunOptions, StopRule};
 use rt_scene_io::{
     Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
 };
@@ -39,6 +42,39 @@ pub(crate) fn film_with(scene: &Scene, options: PlanOptions, threads: usize) -> 
 
 pub(crate) fn film(scene: &Scene) -> Image {
     film_with(scene, PlanOptions::default(), 0)
+}
+
+/// Observer that calls a function after each tile.
+pub(crate) struct OnTile<F>(pub(crate) F);
+
+impl<F: FnMut(&RenderSnapshot<'_>)> Observer for OnTile<F> {
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
+        self.0(snapshot);
+    }
+}
+
+/// Checkpoint after `kept_after` tiles of a render that is interrupted `killed_after` tiles after its start, and its result.
+pub(crate) fn interrupted(
+    plan: &RenderPlan<'_>,
+    rule: Option<&StopRule>,
+    from: Option<Checkpoint>,
+    run: RunOptions<'_>,
+    [kept_after, killed_after]: [u64; 2],
+) -> (Vec<u8>, Rendering) {
+    let interrupt = AtomicBool::new(false);
+    let (mut tiles, mut checkpoint) = (0, Vec::new());
+    let observer = OnTile(|snapshot: &RenderSnapshot<'_>| {
+        tiles += 1;
+        if tiles == kept_after {
+            checkpoint = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
+        }
+        if tiles >= killed_after {
+            interrupt.store(true, Ordering::Relaxed);
+        }
+    });
+    let run = RunOptions { interrupt: Some(&interrupt), ..run };
+    let shard = plan.render_shard(&run, rule, from, observer).expect("renders");
+    (checkpoint, shard.into_rendering())
 }
 
 /// Camera with a vertical field of view in radians.
