@@ -1,16 +1,16 @@
 //! Caustics compared with closed forms and with path tracing.
 
-use rt_camera::{CameraSettings, Filter};
+use rt_camera::CameraSettings;
 use rt_geometry::{Plane, Rectangle, Shape};
 use rt_math::{DVec2, DVec3, Rgb, Transform};
-use rt_render::{Crop, PlanOptions, Rendering, RunOptions, StopRule};
+use rt_render::{PlanOptions, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Content, Integrator, MeshId, RenderSettings, Scene, SceneNode};
 use rt_shading::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, MaterialModel,
     bsdf::ComplexIor, light::EmissionSides,
 };
 
-use crate::support::{self, camera, compile, compile_with, cuboid, everything, film, node, sphere};
+use crate::support::{self, camera, compile, cuboid, everything, film, node, sphere};
 
 const IOR: f64 = 1.5;
 
@@ -249,25 +249,6 @@ fn caustics_agree_with_path_tracing() {
     (direct.settings.depth, direct.settings.spp) = (1, 256);
     let (blocks, whole) = scores(&render(&direct), &one);
     assert!(largest(&blocks) > 20.0 && whole.abs() > 20.0, "{blocks:.1?}, all {whole:.1}");
-}
-
-#[test]
-fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
-    for filter in [Filter::Box, Filter::Mitchell] {
-        let mut scene = comparable();
-        (scene.settings.spp, scene.settings.passes, scene.film.filter) = (8, Some(2), filter);
-        let whole = film(&scene);
-        let crop = Crop { x: 5, y: 3, width: 12, height: 9 };
-        let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
-        let plan = compile_with(&scene, options);
-        let shard = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
-        for (i, pixel) in shard.pixels().iter().enumerate() {
-            let (x, y) = (crop.x + i as u32 % crop.width, crop.y + i as u32 / crop.width);
-            assert_eq!(*pixel, whole.pixels()[(y * whole.width() + x) as usize], "{filter:?}: pixel {x}, {y}");
-        }
-        let pixel = plan.pixel(9, 8).expect("it is in the crop").to_array().map(|c| c as f32);
-        assert_eq!(pixel, whole.pixels()[(8 * whole.width() + 9) as usize]);
-    }
 }
 
 #[test]

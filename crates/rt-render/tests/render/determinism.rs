@@ -7,7 +7,7 @@ use rt_render::{Crop, FirstHitLayer, PlanOptions, Precision, Quality, RunOptions
 use rt_scene_io::{Accel, Integrator, MaterialId, RenderSettings, Scene};
 use rt_shading::{Background, ColorTexture, Material, MaterialModel, bsdf::ComplexIor};
 
-use crate::support::{compile, diffuse_shapes, everything, film, full, render, spheres};
+use crate::support::{compile, compile_with, diffuse_shapes, everything, film, film_with, full, render, spheres};
 use crate::{caustics, culling, lens, motion, nested};
 
 /// Asserts that the image has more than this number of different pixels.
@@ -145,17 +145,32 @@ fn trimming_does_not_change_paths_in_streams() {
 }
 
 #[test]
-fn a_crop_is_a_part_of_the_whole() {
-    let mut scene = everything();
-    scene.film.filter = Filter::Mitchell;
-    let whole = film(&scene);
-    let crop = Crop { x: 17, y: 5, width: 30, height: 21 };
-    let shard = render(&scene, PlanOptions { crop: Some(crop), ..PlanOptions::default() }, RunOptions::default()).film;
-    for y in 0..crop.height {
-        for x in 0..crop.width {
-            let inside = shard.pixels()[(y * crop.width + x) as usize];
-            let outside = whole.pixels()[((y + crop.y) * whole.width() + x + crop.x) as usize];
-            assert_eq!(inside, outside, "pixel {x}, {y} of the crop");
+fn crops_and_pixels_are_parts_of_the_whole() {
+    let mut caustics = caustics::comparable();
+    (caustics.settings.spp, caustics.settings.passes) = (8, Some(2));
+    for (mut scene, [x, y, width, height]) in [(everything(), [17, 5, 30, 21]), (caustics, [5, 3, 12, 9])] {
+        for (filter, transparent) in [(Filter::Box, false), (Filter::Mitchell, false), (Filter::Mitchell, true)] {
+            scene.film.filter = filter;
+            let options = PlanOptions { transparent, ..PlanOptions::default() };
+            let whole = film_with(&scene, options, 0);
+            let plan = compile_with(&scene, PlanOptions { crop: Some(Crop { x, y, width, height }), ..options });
+            let part = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+            assert_eq!((part.width(), part.height(), part.alpha().is_some()), (width, height, transparent));
+            for (i, pixel) in part.pixels().iter().enumerate() {
+                let [column, row] = [x + i as u32 % width, y + i as u32 / width];
+                let place = (row * whole.width() + column) as usize;
+                let what = format!("{}, {filter:?}: pixel {column}, {row}", scene.name);
+                assert_eq!(*pixel, whole.pixels()[place], "{what}");
+                assert_eq!(part.alpha().map(|alpha| alpha[i]), whole.alpha().map(|alpha| alpha[place]), "{what}");
+                // One pixel takes all light paths.
+                if i % 29 == 0 {
+                    let exact = plan.pixel(column, row).expect("within the crop");
+                    assert_eq!(exact.to_array().map(|c| c as f32), *pixel, "{what}");
+                }
+            }
+            for (column, row) in [(x - 1, y), (x + width, y), (x, y - 1), (x, y + height)] {
+                assert_eq!(plan.pixel(column, row), None, "{column} {row}");
+            }
         }
     }
 }

@@ -105,19 +105,3 @@ fn shapes_with_large_coordinates_of_their_own_look_the_same() {
         assert!(worst <= tolerance, "{precision:?}: {worst:e}");
     }
 }
-
-#[test]
-fn pixels_are_those_of_the_film_and_only_those() {
-    let scene = base_scene();
-    let crop = rt_render::Crop { x: 11, y: 5, width: 7, height: 3 };
-    let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
-    let plan = compile_with(&scene, options);
-    let film = plan.render(&rt_render::RunOptions::default(), |_| {}).expect("threads start").film;
-    for (i, rounded) in (0..).zip(film.pixels()) {
-        let exact = plan.pixel(11 + i % 7, 5 + i / 7).expect("within the crop");
-        assert_eq!(exact.to_array().map(|c| c as f32), *rounded);
-    }
-    for (x, y) in [(10, 5), (18, 5), (11, 4), (11, 8)] {
-        assert_eq!(plan.pixel(x, y), None, "{x} {y}");
-    }
-}
