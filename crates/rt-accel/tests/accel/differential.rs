@@ -2,14 +2,14 @@
 
 use std::sync::LazyLock;
 
-use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
-use crate::soup::{Solid, Soup};
+use crate::soup::{Solid, Soup, run_seed};
 use rt_accel::{
     Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih, Linear,
     NoProbe, Primitives, Ray, SphereTree, SplitMethod, UniformGrid, WideBvh, brute_force,
     wide::{BuildParams, Quality, SimdLevel},
 };
+use rt_tests::Draw;
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
 fn n_rays() -> usize {
@@ -113,10 +113,10 @@ fn scenes(seed: u64) -> Vec<(String, Soup)> {
 fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
     /// Computed once for all accelerators.
     static SCENES: LazyLock<Vec<(String, Answers)>> = LazyLock::new(|| {
-        let scenes = scenes(Draw::run_seed()).into_iter().zip(Draw::run_seed()..);
+        let scenes = scenes(run_seed()).into_iter().zip(run_seed()..);
         scenes.map(|((scene, soup), seed)| (scene, Answers::new(soup, seed))).collect()
     });
-    println!("{name}: seed {}", Draw::run_seed());
+    println!("{name}: seed {}", run_seed());
     let mut total = 0;
     for (scene, answers) in SCENES.iter() {
         let structure = build(&answers.soup);
@@ -182,7 +182,7 @@ fn bvh_over_one_primitive_equals_brute_force() {
 /// Each kind of leaf, near and far, large and small, by all instructions that the processor has.
 #[test]
 fn wide_equals_brute_force_with_all_leaves_and_instructions() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("wide: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
     let kinds: [Kind; 7] = [
@@ -239,7 +239,7 @@ fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
 /// Not only the answers are those of brute force, but also what is counted on the way.
 #[test]
 fn linear_equals_brute_force_to_the_last_test() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("linear: seed {seed}");
     let (mut n_hits, mut n_tested) = (0, 0);
     for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
