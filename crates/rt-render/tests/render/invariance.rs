@@ -12,7 +12,7 @@ use rt_render::{PlanOptions, Precision};
 use rt_scene_io::{Content, Scene};
 use rt_shading::{DeltaLightKind, Falloff};
 
-use crate::support::{compile_with, everything, spheres};
+use crate::support::{compile_with, everything, film, spheres};
 
 /// Precisions, with the largest difference of images.
 const TOLERANCES: [(Precision, f64); 2] = [(Precision::F64, 1e-9), (Precision::F32, 1e-6)];
@@ -22,8 +22,11 @@ fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Scene {
     rt_tests::moved(scene, scale, offset).expect("regular")
 }
 
-/// Every other pixel of the image.
+/// Pixels of the image: all of them, or every other one where they must not be rounded.
 fn pixels(scene: &Scene, precision: Precision) -> Vec<Rgb> {
+    if precision == Precision::F32 {
+        return film(scene).pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from))).collect();
+    }
     let plan = compile_with(scene, PlanOptions { precision, ..PlanOptions::default() });
     let (width, height) = (scene.film.width, scene.film.height);
     let half = (0..height).flat_map(|y| (y % 2..width).step_by(2).map(move |x| (x, y)));
