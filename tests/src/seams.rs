@@ -121,17 +121,21 @@ impl Seams {
     }
 }
 
-/// A span for a ray whose closest hit is at `t`. Mostly it is everything in front; sometimes a piece, the hit itself,
+/// A span for a ray whose closest hit is at `t()`. Mostly it is everything in front; sometimes a piece, the hit itself,
 /// or a span that ends at the hit or next to it.
-pub fn span_at(t: f64, draw: &mut Draw) -> Interval {
+pub fn span_at(t: impl FnOnce() -> f64, draw: &mut Draw) -> Interval {
     match draw.below(12) {
         0 => Interval::new(draw.between(0.0, 1.0), draw.between(0.5, 2.0)),
-        1 => Interval::new(t, t),
-        2 => Interval::new(0.0, t),
-        3 => Interval::new(0.0, t.next_down()),
-        4 => Interval::new(t.next_up(), f64::INFINITY),
+        1 => {
+            let t = t();
+            Interval::new(t, t)
+        }
+        2 => Interval::new(0.0, t()),
+        3 => Interval::new(0.0, t().next_down()),
+        4 => Interval::new(t().next_up(), f64::INFINITY),
         5 => Interval::new(-2.0, 2.0),
-        6 => Interval::SEGMENT,
+        6 => Interval::new(0.0, 0.0),
+        7 => Interval::SEGMENT,
         _ => Interval::FORWARD,
     }
 }

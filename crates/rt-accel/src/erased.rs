@@ -9,6 +9,7 @@ use glam::DVec3;
 use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
+use crate::ray_query::ray_and_span;
 use crate::{RayQuery, RegionQuery};
 
 /// Primitives of any type, without statistics.
@@ -97,15 +98,7 @@ pub(crate) struct DynRayQuery<'q> {
 }
 
 impl RayQuery for DynRayQuery<'_> {
-    #[inline]
-    fn ray(&self) -> &SlabRay {
-        &self.ray
-    }
-
-    #[inline]
-    fn span(&self) -> Interval {
-        self.span
-    }
+    ray_and_span!();
 
     #[inline]
     fn test_primitive<P: Primitives, S: Probe>(

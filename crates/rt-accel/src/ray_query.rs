@@ -43,6 +43,22 @@ pub(crate) fn is_finite(ray: &Ray) -> bool {
     ray.origin.is_finite() && ray.direction.is_finite()
 }
 
+/// Methods `ray` and `span` of a [`RayQuery`] with fields of these names.
+macro_rules! ray_and_span {
+    () => {
+        #[inline(always)]
+        fn ray(&self) -> &SlabRay {
+            &self.ray
+        }
+
+        #[inline(always)]
+        fn span(&self) -> Interval {
+            self.span
+        }
+    };
+}
+pub(crate) use ray_and_span;
+
 /// Closest hit.
 pub(crate) struct Closest {
     ray: SlabRay,
@@ -59,15 +75,7 @@ impl Closest {
 }
 
 impl RayQuery for Closest {
-    #[inline(always)]
-    fn ray(&self) -> &SlabRay {
-        &self.ray
-    }
-
-    #[inline(always)]
-    fn span(&self) -> Interval {
-        self.span
-    }
+    ray_and_span!();
 
     #[inline(always)]
     fn test_primitive<P: Primitives, S: Probe>(
@@ -100,15 +108,7 @@ impl AnyHit {
 }
 
 impl RayQuery for AnyHit {
-    #[inline(always)]
-    fn ray(&self) -> &SlabRay {
-        &self.ray
-    }
-
-    #[inline(always)]
-    fn span(&self) -> Interval {
-        self.span
-    }
+    ray_and_span!();
 
     #[inline(always)]
     fn test_primitive<P: Primitives, S: Probe>(
@@ -190,13 +190,7 @@ fn is_same(a: &Hit, b: &Hit) -> bool {
 }
 
 impl RayQuery for AllHits<'_> {
-    fn ray(&self) -> &SlabRay {
-        &self.ray
-    }
-
-    fn span(&self) -> Interval {
-        self.span
-    }
+    ray_and_span!();
 
     fn test_primitive<P: Primitives, S: Probe>(
         &mut self,
@@ -255,13 +249,7 @@ impl<'h> FirstHits<'h> {
 }
 
 impl RayQuery for FirstHits<'_> {
-    fn ray(&self) -> &SlabRay {
-        &self.ray
-    }
-
-    fn span(&self) -> Interval {
-        self.span
-    }
+    ray_and_span!();
 
     fn test_primitive<P: Primitives, S: Probe>(
         &mut self,
@@ -292,13 +280,7 @@ impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> Candidates<F> {
 }
 
 impl<F: FnMut(u32, Interval) -> ControlFlow<(), f64>> RayQuery for Candidates<F> {
-    fn ray(&self) -> &SlabRay {
-        &self.ray
-    }
-
-    fn span(&self) -> Interval {
-        self.span
-    }
+    ray_and_span!();
 
     fn test_primitive<P: Primitives, S: Probe>(
         &mut self,

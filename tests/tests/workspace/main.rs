@@ -1,6 +1,5 @@
 //! Tests that need most crates of the workspace, in one program.
 
-mod determinism;
 mod explain;
 mod path_reference;
 mod scene_health;

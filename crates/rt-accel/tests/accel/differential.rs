@@ -2,14 +2,14 @@
 
 use std::sync::LazyLock;
 
-use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
-use crate::soup::{Solid, Soup};
+use crate::soup::{Solid, Soup, run_seed};
 use rt_accel::{
     Aabb, Accelerator, Bih, BspTree, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, KdTree, LazyBih, Linear,
     NoProbe, Primitives, Ray, SphereTree, SplitMethod, UniformGrid, WideBvh, brute_force,
     wide::{BuildParams, Quality, SimdLevel},
 };
+use rt_tests::Draw;
 
 /// Rays per scene; the environment variable `RT_RAYS` sets another number for long runs.
 fn n_rays() -> usize {
@@ -113,13 +113,15 @@ fn scenes(seed: u64) -> Vec<(String, Soup)> {
 fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Soup) -> A) {
     /// Computed once for all accelerators.
     static SCENES: LazyLock<Vec<(String, Answers)>> = LazyLock::new(|| {
-        let scenes = scenes(Draw::run_seed()).into_iter().zip(Draw::run_seed()..);
+        let scenes = scenes(run_seed()).into_iter().zip(run_seed()..);
         scenes.map(|((scene, soup), seed)| (scene, Answers::new(soup, seed))).collect()
     });
-    println!("{name}: seed {}", Draw::run_seed());
+    println!("{name}: seed {}", run_seed());
     let mut total = 0;
     for (scene, answers) in SCENES.iter() {
-        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &build(&answers.soup));
+        let structure = build(&answers.soup);
+        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &structure);
+        assert_eq!(structure.validate(&answers.soup), Ok(()), "{name}, {scene}");
         println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
         assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
         assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");
@@ -129,8 +131,19 @@ fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Sou
 }
 
 #[test]
-fn bvh_equals_brute_force() {
+fn accelerators_equal_brute_force() {
     compare_all("bvh", 0.1, |soup| Bvh::build(soup).unwrap());
+    compare_all("kd", 0.1, |soup| KdTree::build(soup).unwrap());
+    compare_all("bsp", 0.1, |soup| BspTree::build(soup).unwrap());
+    compare_all("spheres", 0.1, |soup| SphereTree::build(soup).unwrap());
+    compare_all("cylinders", 0.1, |soup| CylinderTree::build(soup).unwrap());
+    compare_all("bih", 0.1, |soup| Bih::build(soup).unwrap());
+    compare_all("lazy bih", 0.1, |soup| LazyBih::build(soup).unwrap());
+    compare_all("grid", 0.2, |soup| {
+        let grid = UniformGrid::build(soup).unwrap();
+        assert!(grid.resolution().iter().all(|&n| n > 3), "{:?}", grid.resolution());
+        grid
+    });
 }
 
 #[test]
@@ -166,17 +179,10 @@ fn bvh_over_one_primitive_equals_brute_force() {
     }
 }
 
-#[test]
-fn bvh_is_valid() {
-    for (scene, soup) in scenes(Draw::run_seed()) {
-        assert_eq!(Bvh::build(&soup).unwrap().validate(&soup), Ok(()), "{scene}");
-    }
-}
-
 /// Each kind of leaf, near and far, large and small, by all instructions that the processor has.
 #[test]
 fn wide_equals_brute_force_with_all_leaves_and_instructions() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("wide: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
     let kinds: [Kind; 7] = [
@@ -233,7 +239,7 @@ fn heaps(draw: &mut Draw) -> Vec<(&'static str, Soup)> {
 /// Not only the answers are those of brute force, but also what is counted on the way.
 #[test]
 fn linear_equals_brute_force_to_the_last_test() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("linear: seed {seed}");
     let (mut n_hits, mut n_tested) = (0, 0);
     for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
@@ -289,48 +295,10 @@ fn lists_of_spheres_answer_useless_rays_and_spans_as_brute_force_does() {
 #[test]
 fn wide_of_every_quality_equals_brute_force() {
     for quality in [Quality::Low, Quality::Medium, Quality::High] {
-        let build = |soup: &Soup| {
-            let wide = WideBvh::build_with(soup, &BuildParams { quality, ..BuildParams::default() }).unwrap();
-            assert_eq!(wide.validate(soup), Ok(()));
-            wide
-        };
+        let build =
+            |soup: &Soup| WideBvh::build_with(soup, &BuildParams { quality, ..BuildParams::default() }).unwrap();
         compare_all(&format!("wide, {quality:?}"), 0.1, build);
     }
-}
-
-#[test]
-fn kd_equals_brute_force() {
-    compare_all("kd", 0.1, |soup| KdTree::build(soup).unwrap());
-}
-
-#[test]
-fn bsp_equals_brute_force() {
-    compare_all("bsp", 0.1, |soup| BspTree::build(soup).unwrap());
-}
-
-#[test]
-fn spheres_equal_brute_force() {
-    compare_all("spheres", 0.1, |soup| SphereTree::build(soup).unwrap());
-}
-
-#[test]
-fn cylinders_equal_brute_force() {
-    compare_all("cylinders", 0.1, |soup| CylinderTree::build(soup).unwrap());
-}
-
-#[test]
-fn bih_equals_brute_force() {
-    compare_all("bih", 0.1, |soup| Bih::build(soup).unwrap());
-}
-
-#[test]
-fn lazy_bih_equals_brute_force() {
-    compare_all("lazy bih", 0.1, |soup| LazyBih::build(soup).unwrap());
-}
-
-#[test]
-fn grid_equals_brute_force() {
-    compare_all("grid", 0.2, |soup| UniformGrid::build(soup).unwrap());
 }
 
 #[test]
@@ -339,14 +307,5 @@ fn fine_and_lopsided_grids_equal_brute_force() {
         compare_all(&format!("grid {resolution:?}"), 5.0, |soup| {
             UniformGrid::with_resolution(soup, resolution).unwrap()
         });
-    }
-}
-
-#[test]
-fn grid_is_valid() {
-    for (scene, soup) in scenes(Draw::run_seed()) {
-        let grid = UniformGrid::build(&soup).unwrap();
-        assert_eq!(grid.validate(&soup), Ok(()), "{scene}");
-        assert!(grid.resolution().iter().all(|&n| n > 3), "{scene}: {:?}", grid.resolution());
     }
 }

@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 use std::sync::Barrier;
 
 use crate::soup::Soup;
-use crate::soup::draw::Draw;
 use crate::soup::rays::adversarial;
 use rt_accel::{Aabb, Accelerator, Bih, Counters, DVec3, Interval, LazyBih, NoProbe, Primitives, Ray};
+use rt_tests::Draw;
 
 fn rays(soup: &Soup, count: usize) -> Vec<(Ray, Interval)> {
     let world = Aabb::new(DVec3::splat(-1.2), DVec3::splat(1.2));

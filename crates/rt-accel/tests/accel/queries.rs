@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::structures::Structures;
 use crate::soup::{Solid, Soup};
@@ -11,6 +10,7 @@ use rt_accel::{
     Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Boxes, Bvh, ClosestPoint, DVec3, Frustum, Hit, Interval,
     NoProbe, Primitives, Ray, Region, SphereRegion, SplitMethod,
 };
+use rt_tests::Draw;
 
 fn scene(seed: u64) -> Soup {
     let mut soup = Soup::mixed(&mut Draw::new(seed));

@@ -1,12 +1,12 @@
 //! Accelerators follow primitives that move.
 
-use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::{
     Aabb, Accelerator, Bih, BuildError, Bvh, Counters, CylinderTree, DVec3, Hit, Interval, LazyBih, Linear, NoProbe,
     Primitives, Refit, SphereTree, SplitMethod, WideBvh, brute_force,
 };
+use rt_tests::Draw;
 
 /// The same solids, each moved by itself, and all of them far away.
 fn shaken(soup: &Soup, by: f64, offset: DVec3, seed: u64) -> Soup {

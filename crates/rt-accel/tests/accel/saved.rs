@@ -1,11 +1,11 @@
 //! Accelerators survive being saved; what was tampered with is refused, or answers without panicking.
 
-use crate::soup::draw::Draw;
 use crate::soup::{Solid, Soup};
 use rt_accel::{
     Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Bih, BuildError, Bvh, CylinderTree, DVec3, Interval, LazyBih,
     Linear, NoProbe, Ray, SphereTree, SplitMethod,
 };
+use rt_tests::Draw;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

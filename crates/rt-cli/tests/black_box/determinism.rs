@@ -1,7 +1,5 @@
 //! Options that must not change a bit of the image.
 
-use rt_image::Image;
-
 use crate::program::Workplace;
 
 #[test]
@@ -22,21 +20,5 @@ fn options_without_influence_change_no_bit() {
     let older = ["--accel wide", "--accel spheres", "--accel cylinders", "--quality low", "--root .", "--fallback dir"];
     for options in [&threads[..], &accels, &plans, &of_scene, &older].concat() {
         assert!(image(options) == plain, "{options}");
-    }
-}
-
-#[test]
-fn a_crop_is_a_part_of_the_whole() {
-    let place = Workplace::with_scene();
-    place.succeed("render scene.ron -o whole.exr --background transparent");
-    place.succeed("render scene.ron -o part.exr --background transparent --crop 13,5,20,11");
-    let (whole, part) = (place.film("whole.exr"), place.film("part.exr"));
-    assert_eq!((part.width(), part.height()), (20, 11));
-    let alpha = |film: &Image, x: u32, y: u32| film.alpha().expect("alpha")[(y * film.width() + x) as usize];
-    for y in 0..11 {
-        for x in 0..20 {
-            assert_eq!(part.pixel(x, y), whole.pixel(13 + x, 5 + y), "{x} {y}");
-            assert_eq!(alpha(&part, x, y), alpha(&whole, 13 + x, 5 + y), "{x} {y}");
-        }
     }
 }

@@ -21,6 +21,14 @@ fn interrupted(place: &Workplace, options: &str) -> Run {
     Run::end(child)
 }
 
+/// Folder of an interrupted render, and its checkpoint.
+fn interrupted_place() -> (Workplace, Vec<u8>) {
+    let place = Workplace::with_scene();
+    assert_eq!(interrupted(&place, "").code, Some(130));
+    let kept = place.read("scene.exr.checkpoint");
+    (place, kept)
+}
+
 #[test]
 #[cfg(unix)]
 fn the_first_signal_saves_and_resume_is_bit_identical() {
@@ -208,9 +216,7 @@ fn unfinished_checkpoints_of_killed_runs_are_removed() {
 #[test]
 #[cfg(unix)]
 fn checkpoints_of_another_image_are_not_resumed_and_none_is_overwritten() {
-    let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
-    let kept = place.read("scene.exr.checkpoint");
+    let (place, kept) = interrupted_place();
     place.fails(2, LONG, "continue with --resume, or start over with --restart");
     place.fails(3, &format!("{LONG} --resume --seed 7"), "scene.exr.checkpoint: is of another image");
     let missing = "scene.exr.checkpoint: was made with other options; use the same --stats";
@@ -226,9 +232,7 @@ fn checkpoints_of_another_image_are_not_resumed_and_none_is_overwritten() {
 #[test]
 #[cfg(unix)]
 fn a_checkpoint_of_another_image_is_kept_aside() {
-    let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
-    let kept = place.read("scene.exr.checkpoint");
+    let (place, kept) = interrupted_place();
     let other = Workplace::with_scene();
     other.succeed(&format!("{LONG} --seed 7"));
     for (content, aside) in [(&kept[..], "scene.exr.checkpoint.old"), (&kept[..20], "scene.exr.checkpoint.old.2")] {
@@ -266,9 +270,7 @@ fn a_checkpoint_of_another_image_is_kept_aside() {
 #[test]
 #[cfg(unix)]
 fn a_damaged_checkpoint_of_this_image_is_kept_aside() {
-    let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
-    let mut damaged = place.read("scene.exr.checkpoint");
+    let (place, mut damaged) = interrupted_place();
     let middle = damaged.len() / 2;
     damaged[middle] ^= 4;
     place.write("scene.exr.checkpoint", &damaged);
@@ -282,9 +284,7 @@ fn a_damaged_checkpoint_of_this_image_is_kept_aside() {
 #[test]
 #[cfg(unix)]
 fn any_flipped_bit_of_a_checkpoint_is_found() {
-    let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
-    let kept = place.read("scene.exr.checkpoint");
+    let (place, kept) = interrupted_place();
     for step in 0..40 {
         let mut damaged = kept.clone();
         let at = step * (kept.len() - 1) / 39;
@@ -313,7 +313,7 @@ fn an_empty_checkpoint_is_refused_and_stays() {
 }
 
 #[test]
-fn checkpoints_never_replace_the_scene_or_the_image() {
+fn unusable_outputs_are_refused_before_the_render() {
     let place = Workplace::with_scene();
     place.write("notes.txt", "mine");
     let files = place.files();
@@ -328,6 +328,8 @@ fn checkpoints_never_replace_the_scene_or_the_image() {
         ),
         ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs have the same file c.pfm"),
         ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
+        ("--checkpoint nowhere/kept", 4, "cannot write `nowhere/kept`: nowhere does not exist; create it"),
+        ("--fallback-dir nowhere", 2, "--fallback-dir nowhere is not a directory"),
     ] {
         place.fails(code, &format!("render scene.ron {options}"), message);
         assert_eq!(place.files(), files, "{options}");
@@ -479,13 +481,6 @@ fn spoil_the_disk(command: &str, reason: &str) {
 }
 
 #[test]
-fn a_missing_fallback_directory_is_refused_before_the_render() {
-    let place = Workplace::with_scene();
-    place.fails(2, &format!("{LONG} --fallback-dir nowhere"), "--fallback-dir nowhere is not a directory");
-    assert_eq!(place.files(), ["scene.ron"]);
-}
-
-#[test]
 #[cfg(unix)]
 fn a_default_checkpoint_with_too_long_a_name_only_warns() {
     let place = Workplace::with_scene();
@@ -495,15 +490,4 @@ fn a_default_checkpoint_with_too_long_a_name_only_warns() {
     let warning = format!("warning: the render has no checkpoints: cannot write `{image}.checkpoint`: ");
     assert_eq!(run.stderr.lines().filter(|line| line.starts_with(&warning)).count(), 1, "{run:?}");
     assert_eq!(place.files(), [image, "scene.ron".to_owned()]);
-}
-
-#[test]
-fn an_unwritable_checkpoint_option_is_refused_before_the_render() {
-    let place = Workplace::with_scene();
-    place.fails(
-        4,
-        &format!("{LONG} --checkpoint nowhere/kept"),
-        "cannot write `nowhere/kept`: nowhere does not exist; create it",
-    );
-    assert_eq!(place.files(), ["scene.ron"]);
 }

@@ -1,17 +1,16 @@
 //! Caustics compared with closed forms and with path tracing.
 
-use rt_camera::{CameraSettings, FilmSettings, Filter, FovAxis, Projection};
-use rt_geometry::{Cuboid, Plane, Rectangle, Shape, Sphere};
-use rt_image::Image;
+use rt_camera::CameraSettings;
+use rt_geometry::{Plane, Rectangle, Shape};
 use rt_math::{DVec2, DVec3, Rgb, Transform};
-use rt_render::{Crop, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule};
-use rt_scene_io::{Accel, Content, Integrator, MaterialId, MeshId, NamedCamera, RenderSettings, Scene, SceneNode};
+use rt_render::{PlanOptions, Rendering, RunOptions, StopRule};
+use rt_scene_io::{Content, Integrator, MeshId, RenderSettings, Scene, SceneNode};
 use rt_shading::{
-    Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, MaterialModel,
+    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, MaterialModel,
     bsdf::ComplexIor, light::EmissionSides,
 };
 
-use crate::support::everything;
+use crate::support::{self, camera, compile, cuboid, everything, film, node, sphere};
 
 const IOR: f64 = 1.5;
 
@@ -34,16 +33,8 @@ fn emissive(radiance: f64, emission_sides: EmissionSides) -> Material {
     Material { emission, emission_sides, ..Material::new("lamp".into(), MaterialModel::Black) }
 }
 
-fn sphere(centre: [f64; 3], radius: f64) -> Content {
-    Content::Shape(Shape::Sphere(Sphere::new(centre.into(), radius).expect("a sphere")))
-}
-
 fn floor() -> Content {
     Content::Shape(Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane")))
-}
-
-fn block(min: [f64; 3], max: [f64; 3]) -> Content {
-    Content::Shape(Shape::Cuboid(Cuboid::new(min.into(), max.into()).expect("a box")))
 }
 
 fn light(kind: DeltaLightKind) -> DeltaLight {
@@ -51,39 +42,20 @@ fn light(kind: DeltaLightKind) -> DeltaLight {
 }
 
 /// A pinhole camera in the middle of things, so that nothing stands between it and what it looks at.
-fn scene(camera: Transform, materials: Vec<Material>, nodes: Vec<SceneNode>, lights: Vec<DeltaLight>) -> Scene {
-    let camera = CameraSettings::new(camera, Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical });
-    Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
-        film: FilmSettings { width: 16, height: 16, ..FilmSettings::default() },
-        settings: RenderSettings {
-            integrator: Integrator::Caustics,
-            spp: 1 << 10,
-            passes: Some(16),
-            ..RenderSettings::default()
-        },
-        appearance: Appearance {
-            materials,
-            lights,
-            background: Background::Constant(Rgb::BLACK),
-            ..Appearance::default()
-        },
-        nodes,
-        ..Scene::empty("caustics")
-    }
+fn scene(camera: CameraSettings, materials: Vec<Material>, nodes: Vec<SceneNode>, lights: Vec<DeltaLight>) -> Scene {
+    let mut scene = support::scene(camera, [16, 16], materials, nodes);
+    let settings = RenderSettings { spp: 1 << 10, passes: Some(16), ..scene.settings };
+    scene.settings = RenderSettings { integrator: Integrator::Caustics, ..settings };
+    scene.appearance.lights = lights;
+    Scene { name: "caustics".into(), ..scene }
 }
 
 fn nodes(of: &[(Content, u32)]) -> Vec<SceneNode> {
-    of.iter().map(|(content, material)| SceneNode::new(content.clone(), MaterialId(*material))).collect()
+    of.iter().map(|(content, material)| node(content.clone(), *material)).collect()
 }
 
 fn render(scene: &Scene) -> Rendering {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
-    plan.render(&RunOptions { maps: true, ..RunOptions::default() }, |_| {}).expect("threads start")
-}
-
-fn film(scene: &Scene) -> Image {
-    render(scene).film
+    support::render(scene, PlanOptions::default(), RunOptions { maps: true, ..RunOptions::default() })
 }
 
 /// Radiances of the first channel with their standard errors.
@@ -124,8 +96,8 @@ fn transmittance(cos: f64) -> f64 {
 fn a_glass_slab_transmits_light_by_snell_and_fresnel() {
     let (height, thickness) = (9.0, 0.8);
     let position = DVec3::Y * height;
-    let camera = Transform::look_at(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view");
-    let slab = block([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
+    let camera = camera(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z, 0.8);
+    let slab = cuboid([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
     let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let nodes = nodes(&[(floor(), 0), (slab, 1)]);
     let mut scene = scene(camera, vec![diffuse(0.6), body(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
@@ -156,9 +128,9 @@ type KnownMean<'a> = &'a dyn Fn(DVec2) -> f64;
 /// A flat mirror acts as a mirrored copy of the light.
 #[test]
 fn a_flat_mirror_reflects_each_kind_of_light() {
-    let camera = Transform::look_at(DVec3::Y * 2.0, DVec3::Y * 4.0, DVec3::NEG_Z).expect("a view");
+    let camera = camera(DVec3::Y * 2.0, DVec3::Y * 4.0, DVec3::NEG_Z, 0.8);
     let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
-    let nodes = nodes(&[(block([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
+    let nodes = nodes(&[(cuboid([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0), (Content::Shape(mirror), 1)]);
     let white = ColorTexture::Constant(Rgb::gray(0.8));
     let materials = vec![diffuse(0.5), surface(MaterialModel::Mirror { reflectance: white })];
     let position = DVec3::new(0.4, 1.0, 0.2);
@@ -198,19 +170,19 @@ fn a_flat_mirror_reflects_each_kind_of_light() {
 /// Scene that path tracing can render as well: its area lights are large, one of them behind glass.
 ///
 /// Objects: clear, rough and absorbing glass spheres, a metal block, and a mesh with interpolated normals.
-fn comparable() -> Scene {
-    let camera = Transform::look_at(DVec3::new(0.0, 3.0, 7.0), DVec3::Y * 0.8, DVec3::Y).expect("a view");
+pub(crate) fn comparable() -> Scene {
+    let camera = camera([0.0, 3.0, 7.0], DVec3::Y * 0.8, DVec3::Y, 0.8);
     let contents = [
         (floor(), 0),
-        (sphere([-1.2, 1.0, 0.5], 0.8), 1),
-        (sphere([0.6, 0.6, 1.2], 0.5), 2),
-        (block([1.2, 0.1, -1.0], [2.0, 1.6, 0.2]), 3),
-        (sphere([2.4, 0.9, 1.6], 0.5), 4),
-        (sphere([-2.6, 3.4, 0.4], 0.9), 5),
-        (block([-0.5, 3.4, 1.0], [1.1, 3.45, 2.2]), 6),
-        (sphere([2.6, 2.6, -1.0], 0.9), 1),
-        (sphere([2.6, 2.6, -1.0], 0.5), 5),
-        (sphere([-0.2, 0.7, 2.2], 0.4), 7),
+        (sphere(-1.2, 1.0, 0.5, 0.8), 1),
+        (sphere(0.6, 0.6, 1.2, 0.5), 2),
+        (cuboid([1.2, 0.1, -1.0], [2.0, 1.6, 0.2]), 3),
+        (sphere(2.4, 0.9, 1.6, 0.5), 4),
+        (sphere(-2.6, 3.4, 0.4, 0.9), 5),
+        (cuboid([-0.5, 3.4, 1.0], [1.1, 3.45, 2.2]), 6),
+        (sphere(2.6, 2.6, -1.0, 0.9), 1),
+        (sphere(2.6, 2.6, -1.0, 0.5), 5),
+        (sphere(-0.2, 0.7, 2.2, 0.4), 7),
         // A bumpy sheet with interpolated normals.
         (Content::Mesh(MeshId(0)), 0),
     ];
@@ -279,74 +251,34 @@ fn caustics_agree_with_path_tracing() {
     assert!(largest(&blocks) > 20.0 && whole.abs() > 20.0, "{blocks:.1?}, all {whole:.1}");
 }
 
-/// The scene with all features, at 8 samples per pixel.
-fn small() -> Scene {
-    let mut scene = everything();
-    scene.settings = RenderSettings { integrator: Integrator::Caustics, spp: 8, passes: Some(2), ..scene.settings };
-    scene
-}
-
-#[test]
-fn threads_structures_and_trimming_change_no_bit() {
-    for (turn, mut scene) in [small(), comparable()].into_iter().enumerate() {
-        (scene.settings.spp, scene.settings.passes) = (4, Some(2));
-        let render = |scene: &Scene, plan: PlanOptions, threads| {
-            let run = RunOptions { threads, count: true, ..RunOptions::default() };
-            RenderPlan::compile(scene, &plan).expect("compiles").render(&run, |_| {}).expect("threads start")
-        };
-        let one = render(&scene, PlanOptions::default(), 1);
-        let mut without = scene.clone();
-        without.settings.integrator = Integrator::Path;
-        assert_ne!(one.film, film(&without), "there is nothing to compare");
-        let many = render(&scene, PlanOptions::default(), 3);
-        assert_eq!((&one.film, one.statistics.counters), (&many.film, many.statistics.counters), "threads");
-        assert_eq!(one.film, render(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 2).film, "trimming");
-        for &accel in &[Accel::Linear, Accel::Grid, Accel::Bvh, Accel::Kd][2 * turn..][..2] {
-            scene.settings.accel = accel;
-            assert_eq!(one.film, film(&scene), "{accel:?}");
-        }
-    }
-}
-
-#[test]
-fn a_crop_and_a_single_pixel_are_parts_of_the_whole() {
-    for filter in [Filter::Box, Filter::Mitchell] {
-        let mut scene = comparable();
-        (scene.settings.spp, scene.settings.passes, scene.film.filter) = (8, Some(2), filter);
-        let whole = film(&scene);
-        let crop = Crop { x: 5, y: 3, width: 12, height: 9 };
-        let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
-        let plan = RenderPlan::compile(&scene, &options).expect("compiles");
-        let shard = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
-        for (i, pixel) in shard.pixels().iter().enumerate() {
-            let (x, y) = (crop.x + i as u32 % crop.width, crop.y + i as u32 / crop.width);
-            assert_eq!(*pixel, whole.pixels()[(y * whole.width() + x) as usize], "{filter:?}: pixel {x}, {y}");
-        }
-        let pixel = plan.pixel(9, 8).expect("it is in the crop").to_array().map(|c| c as f32);
-        assert_eq!(pixel, whole.pixels()[(8 * whole.width() + 9) as usize]);
-    }
-}
-
 #[test]
 fn without_mirrors_and_glass_it_is_path_tracing() {
     let mut scene = comparable();
     scene.settings.spp = 4;
+    let both = |scene: &Scene| {
+        let settings =
+            [Integrator::Caustics, Integrator::Path].map(|integrator| RenderSettings { integrator, ..scene.settings });
+        settings.map(|settings| film(&Scene { settings, ..scene.clone() }))
+    };
+    for scene in [&scene, &everything()] {
+        let [caustics, path] = both(scene);
+        assert_ne!(caustics, path, "{}: there is nothing to compare", scene.name);
+    }
     scene.appearance.materials = vec![diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5), diffuse(0.5)];
     scene.appearance.materials.extend([
         emissive(4.0, EmissionSides::Front),
         emissive(3.0, EmissionSides::Both),
         diffuse(0.4),
     ]);
-    let caustics = film(&scene);
-    scene.settings.integrator = Integrator::Path;
-    assert_eq!(caustics, film(&scene));
+    let [caustics, path] = both(&scene);
+    assert_eq!(caustics, path);
 }
 
 #[test]
 fn passes_until_time_or_error_have_light_paths_too() {
     let mut scene = comparable();
     scene.settings.spp = 4;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let rule = StopRule { max_spp: 64, ..StopRule::default() };
     let until = plan.render_until(&RunOptions { maps: true, ..RunOptions::default() }, &rule, |_| {}).expect("threads");
     scene.settings.spp = 512;

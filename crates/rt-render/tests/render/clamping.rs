@@ -1,47 +1,34 @@
 //! Clamping of indirect light: no effect without a bound, never more light with one.
 
-use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection, SamplerKind};
-use rt_geometry::{Cuboid, Shape, Sphere};
-use rt_math::{DVec3, Rgb, Transform};
+use rt_camera::SamplerKind;
+use rt_math::{DVec3, Rgb};
 use rt_render::{Clamping, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
-use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode};
-use rt_shading::{Appearance, Background, ColorTexture, Material, MaterialModel};
+use rt_scene_io::{Integrator, Scene};
+use rt_shading::{ColorTexture, Material, MaterialModel};
+
+use crate::support::{camera, compile, cuboid, node, scene, sphere};
 
 fn material(model: MaterialModel, emission: f64) -> Material {
     let emission = ColorTexture::Constant(Rgb::new(emission, 0.8 * emission, 0.5 * emission));
     Material { emission, ..Material::new("surface".into(), model) }
 }
 
-fn sphere(centre: DVec3, radius: f64) -> Content {
-    Content::Shape(Shape::Sphere(Sphere::new(centre, radius).expect("a sphere")))
-}
-
 /// A closed room with a small area light and a mirror: indirect light with rare bright paths.
 fn closed_scene() -> Scene {
-    let view = Transform::look_at(DVec3::new(0.0, 1.0, 3.9), DVec3::Y, DVec3::Y).expect("a view");
-    let camera = CameraSettings::new(view, Projection::Perspective { fov: 1.0, axis: FovAxis::Vertical });
-    let walls = Cuboid::new(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 4.0)).expect("a box");
     let gray = |value| ColorTexture::Constant(Rgb::gray(value));
-    Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
-        film: FilmSettings { width: 24, height: 18, ..FilmSettings::default() },
-        settings: RenderSettings { spp: 16, pattern: SamplerKind::Random, depth: 6, ..RenderSettings::default() },
-        appearance: Appearance {
-            materials: vec![
-                material(MaterialModel::Diffuse { albedo: gray(0.7), roughness: 0.0 }, 0.0),
-                material(MaterialModel::Mirror { reflectance: gray(0.9) }, 0.0),
-                material(MaterialModel::Black, 60.0),
-            ],
-            background: Background::Constant(Rgb::BLACK),
-            ..Appearance::default()
-        },
-        nodes: vec![
-            SceneNode::new(Content::Shape(Shape::Cuboid(walls)), MaterialId(0)),
-            SceneNode::new(sphere(DVec3::new(0.8, 0.6, 0.0), 0.6), MaterialId(1)),
-            SceneNode::new(sphere(DVec3::new(-1.0, 2.8, 3.7), 0.15), MaterialId(2)),
-        ],
-        ..Scene::empty("closed_scene")
-    }
+    let materials = vec![
+        material(MaterialModel::Diffuse { albedo: gray(0.7), roughness: 0.0 }, 0.0),
+        material(MaterialModel::Mirror { reflectance: gray(0.9) }, 0.0),
+        material(MaterialModel::Black, 60.0),
+    ];
+    let nodes = vec![
+        node(cuboid([-2.0, 0.0, -2.0], [2.0, 3.0, 4.0]), 0),
+        node(sphere(0.8, 0.6, 0.0, 0.6), 1),
+        node(sphere(-1.0, 2.8, 3.7, 0.15), 2),
+    ];
+    let mut scene = scene(camera([0.0, 1.0, 3.9], [0.0, 1.0, 0.0], DVec3::Y, 1.0), [24, 18], materials, nodes);
+    (scene.settings.spp, scene.settings.pattern, scene.settings.depth) = (16, SamplerKind::Random, 6);
+    scene
 }
 
 fn with(integrator: Integrator, clamp: Option<f64>) -> Scene {
@@ -51,7 +38,7 @@ fn with(integrator: Integrator, clamp: Option<f64>) -> Scene {
 }
 
 fn render(scene: &Scene, threads: usize) -> (Rendering, Option<Clamping>) {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(scene);
     let rendering = plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("renders");
     let clamping = plan.clamping(&rendering);
     (rendering, clamping)

@@ -1,16 +1,14 @@
 //! Crafted parts and checkpoints: they are rejected, or used without a panic or an overflow.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rt_camera::SamplerKind;
 use rt_render::{
-    Checkpoint, ContentError, Criterion, MergeError, Observer, PlanOptions, RenderPlan, RenderSnapshot, RunOptions,
-    Shard, ShardSpec, StopRule, TargetError, UncheckedCheckpoint, UncheckedShard,
+    Checkpoint, ContentError, Criterion, MergeError, PlanOptions, RenderSnapshot, RunOptions, Shard, ShardSpec,
+    StopRule, TargetError, UncheckedCheckpoint, UncheckedShard,
 };
 use rt_scene_io::{Integrator, Scene};
 use serde_json::{Number, Value, json};
 
-use crate::support::spheres;
+use crate::support::{OnTile, compile, compile_with, interrupted, spheres};
 
 /// Two tiles, one of them a single pixel wide.
 const SIZE: [u32; 2] = [17, 3];
@@ -96,8 +94,7 @@ fn collect(value: &Value, pointer: &mut String, found: &mut Vec<String>) {
 fn crafted_numbers_of_parts_are_refused_or_harmless() {
     for integrator in [Integrator::Path, Integrator::Caustics] {
         let scene = scene(integrator);
-        let plan = RenderPlan::compile(&scene, &PlanOptions { transparent: true, ..PlanOptions::default() });
-        let plan = plan.expect("compiles");
+        let plan = compile_with(&scene, PlanOptions { transparent: true, ..PlanOptions::default() });
         let shard = |index| {
             let spec = ShardSpec::new(index, 2).expect("a shard");
             let run = RunOptions { threads: 1, count: true, shard: spec, ..RunOptions::default() };
@@ -140,7 +137,7 @@ fn crafted_numbers_of_parts_are_refused_or_harmless() {
 #[test]
 fn counts_of_parts_that_overflowed_together_are_refused() {
     let scene = scene(Integrator::Path);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let shards = [0, 1].map(|index| {
         let run = RunOptions { shard: ShardSpec::new(index, 2).expect("a shard"), ..RunOptions::default() };
         let shard = plan.render_shard(&run, None, None, |_| {}).expect("renders");
@@ -150,26 +147,6 @@ fn counts_of_parts_that_overflowed_together_are_refused() {
     });
     let refused = Shard::merge(shards.to_vec());
     assert!(matches!(refused, Err(MergeError::Damaged(1, ContentError::Count { .. }))), "{refused:?}");
-}
-
-/// Saves a checkpoint after some tiles and interrupts the render.
-struct Keeper<'a> {
-    tiles_left: u32,
-    checkpoint: Value,
-    interrupt: &'a AtomicBool,
-}
-
-impl Observer for &mut Keeper<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        if self.tiles_left == 0 {
-            return;
-        }
-        self.tiles_left -= 1;
-        if self.tiles_left == 0 {
-            self.checkpoint = serde_json::to_value(snapshot.checkpoint()).expect("numbers");
-            self.interrupt.store(true, Ordering::Relaxed);
-        }
-    }
 }
 
 #[test]
@@ -190,19 +167,17 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
         (Integrator::Path, Some(target(pixels, true)), 1000),
     ] {
         let scene = scene(integrator);
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&scene);
         // The last checkpoint of a render of two stages is of its second.
         let mut tiles_in_all = 0;
         let count = |_| tiles_in_all += 1;
         let run = RunOptions { threads: 1, ..RunOptions::default() };
         plan.render_shard(&run, rule.as_ref(), None, count).expect("renders");
-        let interrupt = AtomicBool::new(false);
-        let tiles_left = tiles.min(tiles_in_all - 1);
-        let mut keeper = Keeper { tiles_left, checkpoint: Value::Null, interrupt: &interrupt };
-        let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
-        plan.render_shard(&interrupted, rule.as_ref(), None, &mut keeper).expect("renders");
+        let last = tiles.min(tiles_in_all - 1);
+        let (kept, _) = interrupted(&plan, rule.as_ref(), None, run, [last, last]);
+        let kept = serde_json::to_value(postcard::from_bytes::<Checkpoint>(&kept).expect("read")).expect("numbers");
         let (mut refused, mut used) = (0, 0);
-        for_each_variant(&keeper.checkpoint, |what, changed| {
+        for_each_variant(&kept, |what, changed| {
             let Ok(unchecked) = serde_json::from_value::<UncheckedCheckpoint>(changed.clone()) else { return };
             let checked = unchecked.check();
             assert_eq!(serde_json::from_value::<Checkpoint>(changed).is_ok(), checked.is_ok(), "{what}");
@@ -226,7 +201,7 @@ fn crafted_numbers_of_checkpoints_are_refused_or_harmless() {
 fn seeds_of_the_fuzz_targets_are_sound() {
     let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds"));
     let scene = scene(Integrator::Path);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let run = |spec| RunOptions { threads: 1, maps: true, shard: spec, ..RunOptions::default() };
     if std::env::var_os("WRITE_SEEDS").is_some() {
         for index in [0, 1] {
@@ -237,7 +212,11 @@ fn seeds_of_the_fuzz_targets_are_sound() {
         }
         for (name, rule) in [("tiles", None), ("passes", Some(StopRule { max_spp: 4, ..StopRule::default() }))] {
             let mut written = Vec::new();
-            let keep = Writer(&mut written);
+            let keep = OnTile(|snapshot: &RenderSnapshot<'_>| {
+                if written.is_empty() {
+                    written = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
+                }
+            });
             plan.render_shard(&run(ShardSpec::ALL), rule.as_ref(), None, keep).expect("renders");
             std::fs::write(folder.join(format!("checkpoint/{name}.checkpoint")), written).expect("written");
         }
@@ -256,16 +235,5 @@ fn seeds_of_the_fuzz_targets_are_sound() {
             .expect("run it with WRITE_SEEDS=1")
             .check()
             .expect("sound");
-    }
-}
-
-/// Saves the first checkpoint.
-struct Writer<'a>(&'a mut Vec<u8>);
-
-impl Observer for Writer<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        if self.0.is_empty() {
-            *self.0 = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
-        }
     }
 }

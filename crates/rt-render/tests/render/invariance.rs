@@ -5,13 +5,14 @@
 //! scene of size 10⁻³. Scales are therefore powers of two near 10⁻³ and 10³, and positions of cameras and lights have few
 //! digits. No sample crosses a silhouette.
 
-use crate::support::{everything, spheres};
 use rt_camera::Projection;
 use rt_geometry::{Shape, Sphere};
 use rt_math::{DVec3, Rgb};
-use rt_render::{PlanOptions, Precision, RenderPlan};
+use rt_render::{PlanOptions, Precision};
 use rt_scene_io::{Content, Scene};
 use rt_shading::{DeltaLightKind, Falloff};
+
+use crate::support::{compile_with, everything, film, spheres};
 
 /// Precisions, with the largest difference of images.
 const TOLERANCES: [(Precision, f64); 2] = [(Precision::F64, 1e-9), (Precision::F32, 1e-6)];
@@ -21,10 +22,12 @@ fn moved(scene: &Scene, scale: f64, offset: DVec3) -> Scene {
     rt_tests::moved(scene, scale, offset).expect("regular")
 }
 
-/// Every other pixel of the image.
+/// Pixels of the image: all of them, or every other one where they must not be rounded.
 fn pixels(scene: &Scene, precision: Precision) -> Vec<Rgb> {
-    let plan =
-        RenderPlan::compile(scene, &PlanOptions { precision, ..PlanOptions::default() }).expect("the scene compiles");
+    if precision == Precision::F32 {
+        return film(scene).pixels().iter().map(|pixel| Rgb::from(pixel.map(f64::from))).collect();
+    }
+    let plan = compile_with(scene, PlanOptions { precision, ..PlanOptions::default() });
     let (width, height) = (scene.film.width, scene.film.height);
     let half = (0..height).flat_map(|y| (y % 2..width).step_by(2).map(move |x| (x, y)));
     half.map(|(x, y)| plan.pixel(x, y).expect("a pixel of the image")).collect()
@@ -103,21 +106,5 @@ fn shapes_with_large_coordinates_of_their_own_look_the_same() {
         }
         let worst = difference(&expected, &pixels(&far, precision));
         assert!(worst <= tolerance, "{precision:?}: {worst:e}");
-    }
-}
-
-#[test]
-fn pixels_are_those_of_the_film_and_only_those() {
-    let scene = base_scene();
-    let crop = rt_render::Crop { x: 11, y: 5, width: 7, height: 3 };
-    let options = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
-    let plan = RenderPlan::compile(&scene, &options).expect("the scene compiles");
-    let film = plan.render(&rt_render::RunOptions::default(), |_| {}).expect("threads start").film;
-    for (i, rounded) in (0..).zip(film.pixels()) {
-        let exact = plan.pixel(11 + i % 7, 5 + i / 7).expect("within the crop");
-        assert_eq!(exact.to_array().map(|c| c as f32), *rounded);
-    }
-    for (x, y) in [(10, 5), (18, 5), (11, 4), (11, 8)] {
-        assert_eq!(plan.pixel(x, y), None, "{x} {y}");
     }
 }

@@ -1,24 +1,20 @@
 //! Layers of the first surfaces that camera rays hit.
 
 use std::collections::BTreeSet;
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
-};
+use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection, SamplerKind};
 use rt_geometry::{Cuboid, MeshData, Rectangle, Shape, Sphere, TriangleMesh};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_render::{
-    Checkpoint, Crop, FAR_DEPTH, FirstHitLayer, LayerValues, Observer, PlanOptions, RenderPlan, RenderSnapshot,
-    Rendering, RunOptions, StopRule,
+    Crop, FAR_DEPTH, FirstHitLayer, LayerValues, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule,
 };
 use rt_scene_io::{
     Accel, AdaptiveSampling, Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode,
 };
 use rt_shading::{ColorTexture, Material, MaterialModel, light::EmissionSides};
 
-use crate::support::{everything, sphere, spheres};
+use crate::support::{compile, compile_with, everything, full, interrupted, sphere, spheres};
 
 fn all(plan: &RenderPlan<'_>, threads: usize) -> Vec<LayerValues> {
     plan.first_hit_layers(FirstHitLayer::ALL, plan.samples_per_pixel(), threads).expect("threads")
@@ -53,8 +49,7 @@ fn red() -> ColorTexture {
 fn the_middle_of_a_sphere_has_known_values() {
     let mut scene = one_sphere();
     scene.settings.pattern = SamplerKind::Centre;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let layers = all(&plan, 1);
+    let layers = all(&compile(&scene), 1);
     let middle = |layer| values(&layers, layer, 4 * 9 + 4);
     assert_eq!(middle(FirstHitLayer::Depth), [4.0]);
     assert_eq!(middle(FirstHitLayer::Position), [0.0, 0.0, 1.0]);
@@ -79,8 +74,7 @@ fn normals_are_of_the_side_that_is_seen() {
     let mut scene = one_sphere();
     scene.settings.pattern = SamplerKind::Centre;
     scene.cameras[0].settings.world_from_camera = Transform::IDENTITY;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let layers = all(&plan, 1);
+    let layers = all(&compile(&scene), 1);
     for layer in [FirstHitLayer::Normal, FirstHitLayer::GeometricNormal] {
         assert_eq!(values(&layers, layer, 4 * 9 + 4), [0.0, 0.0, 1.0], "{layer:?}");
     }
@@ -91,8 +85,7 @@ fn normals_are_of_the_side_that_is_seen() {
 fn coverage_is_partial_at_the_silhouette_only() {
     let mut scene = one_sphere();
     scene.settings.spp = 16;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let layers = all(&plan, 1);
+    let layers = all(&compile(&scene), 1);
     let coverage: Vec<f32> = (0..81).map(|pixel| values(&layers, FirstHitLayer::Coverage, pixel)[0]).collect();
     let partial = coverage.iter().filter(|&&spec| spec > 0.0 && spec < 1.0).count();
     let covered = coverage.iter().filter(|&&spec| spec == 1.0).count();
@@ -110,7 +103,7 @@ fn layers_do_not_depend_on_threads_accelerator_trimming_or_crop() {
     let mut scene = everything();
     (scene.film.width, scene.film.height) = (32, 24);
     scene.settings.spp = 4;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let expected = all(&plan, 1);
     for threads in [2, 3] {
         assert_eq!(all(&plan, threads), expected, "{threads} threads");
@@ -118,17 +111,14 @@ fn layers_do_not_depend_on_threads_accelerator_trimming_or_crop() {
     let mut other = scene.clone();
     for accel in [Accel::Linear, Accel::Bvh, Accel::Kd] {
         other.settings.accel = accel;
-        let plan = RenderPlan::compile(&other, &PlanOptions::default()).expect("the scene compiles");
-        assert_eq!(all(&plan, 2), expected, "{accel:?}");
+        assert_eq!(all(&compile(&other), 2), expected, "{accel:?}");
     }
-    let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() }).expect("compiles");
-    for (values, of_full) in expected.iter().zip(all(&full, 2)) {
+    for (values, of_full) in expected.iter().zip(all(&compile_with(&scene, full()), 2)) {
         // A full plan keeps the coordinates of surfaces without textures.
         assert!(values.layer == FirstHitLayer::Uv || *values == of_full, "{:?}", values.layer);
     }
     let crop = Crop { x: 5, y: 7, width: 9, height: 4 };
-    let cropped = PlanOptions { crop: Some(crop), ..PlanOptions::default() };
-    let cropped = RenderPlan::compile(&scene, &cropped).expect("the scene compiles");
+    let cropped = compile_with(&scene, PlanOptions { crop: Some(crop), ..PlanOptions::default() });
     for (whole, shard) in expected.iter().zip(all(&cropped, 2)) {
         for (whole, shard) in whole.channels.iter().zip(shard.channels) {
             let rows = (0..4).flat_map(|y| &whole[(7 + y) * 32 + 5..][..9]);
@@ -144,7 +134,7 @@ fn instances_have_the_same_numbers_in_trimmed_and_full_plans() {
     boxed.nodes.push(SceneNode::new(Content::Shape(Shape::Cuboid(cuboid)), MaterialId(0)));
     for scene in [spheres(), boxed] {
         let ids = [false, true].map(|full| {
-            let plan = RenderPlan::compile(&scene, &PlanOptions { full, ..PlanOptions::default() }).expect("compiles");
+            let plan = compile_with(&scene, PlanOptions { full, ..PlanOptions::default() });
             plan.first_hit_layers(&[FirstHitLayer::InstanceId], 4, 1).expect("threads")
         });
         assert_eq!(ids[0], ids[1]);
@@ -191,7 +181,7 @@ fn objects_of_all_kinds(n: u32) -> Scene {
 fn numbers_of_objects_do_not_depend_on_inlining() {
     let ids = [5, 6].map(|n| {
         let scene = objects_of_all_kinds(n);
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let plan = compile(&scene);
         let of = [FirstHitLayer::ObjectId, FirstHitLayer::InstanceId];
         let layers = plan.first_hit_layers(&of, 1, 1).expect("threads");
         let pixels = layers[0].channels[0].iter().zip(&layers[1].channels[0]);
@@ -209,8 +199,7 @@ fn depth_is_in_world_units_if_the_camera_is_scaled() {
         scene.settings.pattern = SamplerKind::Centre;
         let scale = Transform::scale(DVec3::splat(size)).expect("a scale");
         scene.cameras[0].settings.world_from_camera = Transform::translate(DVec3::Z * 5.0).compose(&scale);
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-        assert_eq!(values(&all(&plan, 1), FirstHitLayer::Depth, 4 * 9 + 4), [4.0], "scaled by {size}");
+        assert_eq!(values(&all(&compile(&scene), 1), FirstHitLayer::Depth, 4 * 9 + 4), [4.0], "scaled by {size}");
     }
 }
 
@@ -229,8 +218,7 @@ fn the_back_of_an_emitter_that_emits_from_its_front_emits_nothing() {
             [0.0, 0.0, 0.0, 1.0],
         ]);
         scene.cameras[0].settings.world_from_camera = turn.expect("a rotation");
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-        let layers = all(&plan, 1);
+        let layers = all(&compile(&scene), 1);
         assert_eq!(values(&layers, FirstHitLayer::Coverage, 4 * 9 + 4), [1.0]);
         values(&layers, FirstHitLayer::Emission, 4 * 9 + 4)[1]
     };
@@ -245,29 +233,11 @@ fn integrators_share_the_layers() {
     scene.settings.passes = Some(2);
     let mut of = |integrator| {
         scene.settings.integrator = integrator;
-        all(&RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles"), 2)
+        all(&compile(&scene), 2)
     };
     let expected = of(Integrator::Whitted);
     for integrator in [Integrator::Path, Integrator::Depth, Integrator::AmbientOcclusion] {
         assert!(of(integrator) == expected, "{integrator:?}");
-    }
-}
-
-/// Interrupts a render after two tiles and keeps them.
-struct TwoTiles<'a> {
-    tiles: u32,
-    checkpoint: Option<Checkpoint>,
-    interrupt: &'a AtomicBool,
-}
-
-impl Observer for &mut TwoTiles<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        self.tiles += 1;
-        if self.tiles == 2 {
-            let bytes = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
-            self.checkpoint = Some(postcard::from_bytes(&bytes).expect("read"));
-            self.interrupt.store(true, Ordering::Relaxed);
-        }
     }
 }
 
@@ -305,7 +275,7 @@ fn scenes_of_all_kinds() -> Vec<Scene> {
 #[test]
 fn layers_of_the_image_are_those_of_rays_of_their_own() {
     for scene in scenes_of_all_kinds() {
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let plan = compile(&scene);
         let what = format!("{:?} with {} samples", scene.settings.integrator, scene.settings.spp);
         let expected = all(&plan, 1);
         let run = RunOptions { threads: 2, layers: FirstHitLayer::ALL, ..RunOptions::default() };
@@ -325,18 +295,16 @@ fn layers_of_resumed_renders_are_those_of_whole_ones() {
     for integrator in [Integrator::Whitted, Integrator::Path] {
         let mut scene = everything();
         (scene.settings.integrator, scene.settings.spp) = (integrator, 9);
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-        let interrupt = AtomicBool::new(false);
-        let mut kept = TwoTiles { tiles: 0, checkpoint: None, interrupt: &interrupt };
+        let plan = compile(&scene);
         let run = RunOptions { threads: 1, layers: FirstHitLayer::ALL, ..RunOptions::default() };
-        let interrupted = RunOptions { interrupt: Some(&interrupt), ..run };
-        let shard = plan.render_shard(&interrupted, None, None, &mut kept).expect("it renders");
-        let (expected, mut rendering) = (all(&plan, 1), shard.into_rendering());
+        let (checkpoint, mut rendering) = interrupted(&plan, None, None, run, [2, 2]);
+        let expected = all(&plan, 1);
         let of = |rendering: &Rendering| rendering.layers.clone().expect("layers were asked for");
         assert!(of(&rendering).values() != expected, "{integrator:?} was not interrupted");
         plan.complete_layers(&mut rendering, 1).expect("threads");
         assert!(of(&rendering).values() == expected, "{integrator:?}, interrupted");
-        let resumed = plan.render_shard(&run, None, kept.checkpoint, |_| {}).expect("it renders");
+        let checkpoint = postcard::from_bytes(&checkpoint).expect("read");
+        let resumed = plan.render_shard(&run, None, Some(checkpoint), |_| {}).expect("it renders");
         let mut rendering = resumed.into_rendering();
         assert!(of(&rendering).values() != expected, "{integrator:?} was not resumed");
         plan.complete_layers(&mut rendering, 1).expect("threads");
@@ -348,7 +316,7 @@ fn layers_of_resumed_renders_are_those_of_whole_ones() {
 fn layers_of_a_stop_rule_take_the_largest_number_of_its_samples() {
     let mut scene = one_sphere();
     scene.settings.spp = 1;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let run = RunOptions { threads: 1, layers: FirstHitLayer::ALL, ..RunOptions::default() };
     let rule = StopRule { max_spp: 8, ..StopRule::default() };
     let mut rendering = plan.render_until(&run, &rule, |_| {}).expect("it renders");
@@ -365,7 +333,7 @@ fn positions_of_scenes_far_from_the_origin_are_in_world_space() {
     let far = DVec3::new(3e6, 0.0, 0.0);
     scene.nodes[0].parent_from_local = Transform::translate(far);
     scene.cameras[0].settings.world_from_camera = Transform::translate(far + DVec3::Z * 5.0);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let layers = plan.first_hit_layers(&[FirstHitLayer::Position], 1, 1).expect("threads");
     let [x, y, z] = values(&layers, FirstHitLayer::Position, 4 * 9 + 4)[..] else { panic!("three channels") };
     assert!((x - 3e6).abs() <= 0.5 && y.abs() < 0.5 && (z - 1.0).abs() < 0.1, "{x} {y} {z}");
@@ -374,7 +342,7 @@ fn positions_of_scenes_far_from_the_origin_are_in_world_space() {
 #[test]
 fn asking_for_layers_leaves_the_image_alone() {
     let scene = one_sphere();
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let before = plan.render(&RunOptions::default(), |_| {}).expect("it renders");
     all(&plan, 2);
     assert_eq!(plan.render(&RunOptions::default(), |_| {}).expect("it renders").film, before.film);

@@ -1,18 +1,18 @@
 //! Parts that a plan leaves out cost no work, as counters show.
 
-use crate::support::{everything, sphere, spheres};
 use rt_geometry::RayKind;
 use rt_math::Rgb;
-use rt_render::{PlanOptions, RenderPlan, RunOptions, ShardSpec, Statistics};
+use rt_render::{PlanOptions, RunOptions, ShardSpec, Statistics};
 use rt_scene_io::{Accel, MaterialId, Scene, SceneNode};
 use rt_shading::{ColorTexture, ShadingCounts};
+
+use crate::support::{compile, compile_with, everything, full, render, sphere, spheres};
 
 const COUNT: RunOptions<'_> =
     RunOptions { threads: 1, count: true, maps: false, shard: ShardSpec::ALL, interrupt: None, layers: &[] };
 
 fn statistics(scene: &Scene) -> Statistics {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
-    plan.render(&COUNT, |_| {}).expect("threads start").statistics
+    render(scene, PlanOptions::default(), COUNT).statistics
 }
 
 fn rays(statistics: &Statistics, kind: RayKind) -> u64 {
@@ -80,8 +80,7 @@ fn invalid_samples_are_counted_and_black() {
     for bad in [f64::NAN, f64::INFINITY, -1e3, 1e39] {
         let mut scene = spheres();
         scene.appearance.materials[0].emission = ColorTexture::Constant(Rgb::new(bad, 0.0, 0.0));
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-        let rendering = plan.render(&COUNT, |_| {}).expect("threads start");
+        let rendering = render(&scene, PlanOptions::default(), COUNT);
         assert!(rendering.statistics.bad_samples > 0, "{bad}");
         assert!(rendering.film.pixels().iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{bad}");
     }
@@ -90,15 +89,12 @@ fn invalid_samples_are_counted_and_black() {
 #[test]
 fn explanations_name_what_is_left_out() {
     let scene = spheres();
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let left_out: Vec<_> = plan.explain().left_out.iter().map(|left| left.what).collect();
+    let left_out: Vec<_> = compile(&scene).explain().left_out.iter().map(|left| left.what).collect();
     for what in ["triangles", "texture coordinates", "textures", "reflection", "refraction", "highlights", "ray tree"] {
         assert!(left_out.contains(&what), "{what} in {left_out:?}");
     }
     let scene = everything();
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let left_out: Vec<_> = plan.explain().left_out.iter().map(|left| left.what).collect();
+    let left_out: Vec<_> = compile(&scene).explain().left_out.iter().map(|left| left.what).collect();
     assert_eq!(left_out, ["alpha channel", "motion blur", "lens", "texture coordinates of some surfaces"]);
-    let full = RenderPlan::compile(&scene, &PlanOptions { full: true, ..PlanOptions::default() });
-    assert!(full.expect("the scene compiles").explain().left_out.is_empty());
+    assert!(compile_with(&scene, full()).explain().left_out.is_empty());
 }

@@ -1,16 +1,16 @@
 //! Depth of field.
 
-use crate::support::{everything, film, film_with, point_light, sphere, spheres};
 use rt_camera::{Lens, Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb};
-use rt_render::{PlanOptions, RenderPlan};
-use rt_scene_io::{Accel, Integrator, MaterialId, Scene, SceneNode};
+use rt_scene_io::{Integrator, MaterialId, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
+
+use crate::support::{compile, everything, film, film_with, full, point_light, sphere, spheres};
 
 const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
 
-fn through_a_lens(mut scene: Scene) -> Scene {
+pub(crate) fn through_a_lens(mut scene: Scene) -> Scene {
     scene.cameras[0].settings.lens = Some(LENS);
     scene
 }
@@ -26,18 +26,6 @@ fn a_lens_of_no_size_changes_no_bit() {
         assert_eq!(film(&scene), sharp, "{integrator:?}");
         scene.cameras[0].settings.lens = Some(LENS);
         assert_ne!(film(&scene), sharp, "{integrator:?}");
-    }
-}
-
-#[test]
-fn the_image_is_the_same_for_all_threads_structures_and_plans() {
-    let mut scene = through_a_lens(everything());
-    let image = film(&scene);
-    assert_eq!(film_with(&scene, PlanOptions::default(), 3), image);
-    assert_eq!(film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 1), image);
-    for accel in Accel::ALL {
-        scene.settings.accel = accel;
-        assert_eq!(film(&scene), image, "{accel:?}");
     }
 }
 
@@ -60,10 +48,10 @@ fn culling_covers_rays_through_all_points_of_the_lens() {
     {
         scene.cameras[0].settings.projection = projection;
         scene.cameras[0].settings.lens = Some(Lens { radius, focus, ..LENS });
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+        let plan = compile(&scene);
         let left_out = plan.explain().left_out;
         assert!(left_out.iter().any(|left| left.what == "objects, for camera rays"), "{radius} {focus}");
-        let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+        let full = film_with(&scene, full(), 0);
         assert_eq!(film(&scene), full, "{radius} {focus}");
     }
 }
@@ -96,8 +84,8 @@ fn each_ray_starts_in_the_medium_of_its_lens_point() {
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     let sphere = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
     scene.nodes.push(SceneNode::new(sphere, MaterialId(3)));
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     assert!(plan.explain().to_string().contains("the medium of each camera ray is determined at its origin"));
-    let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    let full = film_with(&scene, full(), 0);
     assert_eq!(film(&scene), full);
 }

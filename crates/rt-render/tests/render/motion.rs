@@ -1,19 +1,20 @@
 //! Motion blur: animated objects are intersected at the time of each ray.
 
-use crate::support::{everything, film, film_with, sphere, spheres};
 use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
+use rt_scene_io::{AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Material, Phong};
+
+use crate::support::{compile, everything, film, film_with, full, sphere, spheres};
 
 fn shift(x: f64, y: f64, z: f64) -> Transform {
     Transform::translate(DVec3::new(x, y, z))
 }
 
 /// Scene in which everything except the floor moves: shapes, a mesh, instances, and an object within a group.
-fn everything_moves() -> Scene {
+pub(crate) fn everything_moves() -> Scene {
     let mut scene = everything();
     let turn = Transform::rotate(DVec3::new(0.3, 1.0, -0.2), 0.7).expect("an axis");
     for (i, node) in (0..).zip(&mut scene.nodes).skip(1) {
@@ -21,6 +22,13 @@ fn everything_moves() -> Scene {
         node.moves_to = Some(step.compose(&node.parent_from_local).compose(&turn));
     }
     scene.groups[1].nodes[2].moves_to = Some(shift(0.0, 0.5, 0.0));
+    scene
+}
+
+/// The camera moves as well.
+pub(crate) fn camera_moves(mut scene: Scene) -> Scene {
+    let camera = &mut scene.cameras[0].settings;
+    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     scene
 }
 
@@ -43,9 +51,7 @@ fn frozen(scene: &Scene, time: f64) -> Scene {
 
 #[test]
 fn a_shutter_interval_of_length_zero_gives_the_static_image() {
-    let mut scene = everything_moves();
-    let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
+    let mut scene = camera_moves(everything_moves());
     for integrator in [Integrator::Whitted, Integrator::Path, Integrator::Depth] {
         scene.settings.integrator = integrator;
         for time in [0.0, 0.375, 1.0] {
@@ -64,7 +70,7 @@ fn a_minimal_shutter_interval_gives_the_static_image() {
     scene.settings.passes = Some(1);
     let still = film(&frozen(&scene, 0.375));
     scene.cameras[0].settings.shutter = [0.375, 0.375_f64.next_up()];
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     assert!(!plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
     let moving = film(&scene);
     let differs = |(a, b): &(&[f32; 3], &[f32; 3])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 1e-4);
@@ -99,10 +105,8 @@ fn blocks_of_stills(scene: &Scene, count: u32) -> Vec<f64> {
 /// All rays of a camera path share its time, and all rays of a light path have the time of that path.
 #[test]
 fn the_image_is_the_mean_of_static_images() {
-    let mut scene = everything_moves();
+    let mut scene = camera_moves(everything_moves());
     scene.appearance.materials[5].emission = ColorTexture::ZERO;
-    let camera = &mut scene.cameras[0].settings;
-    camera.moves_to = Some(shift(0.5, 0.2, 0.0).compose(&camera.world_from_camera));
     for (integrator, tolerance) in [
         (Integrator::Whitted, 0.015),
         (Integrator::Distributed, 0.015),
@@ -182,29 +186,6 @@ fn edges_are_looked_for_where_nothing_moves() {
     assert!(matches!(refusal(&scene), Some(RenderError::AdaptiveMotion)));
 }
 
-#[test]
-fn the_image_is_the_same_for_all_threads_structures_and_plans() {
-    let mut scene = everything_moves();
-    (scene.film.width, scene.film.height) = (31, 22);
-    for camera_moves in [false, true] {
-        if camera_moves {
-            let camera = &mut scene.cameras[0].settings;
-            camera.moves_to = Some(shift(0.5, 0.2, -0.5).compose(&camera.world_from_camera));
-        }
-        for integrator in [Integrator::Whitted, Integrator::Caustics] {
-            scene.settings.integrator = integrator;
-            let image = film(&scene);
-            assert_eq!(film_with(&scene, PlanOptions::default(), 1), image);
-            assert_eq!(film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 3), image);
-            // One half of them with a static camera, the other with a moving one.
-            for &accel in Accel::ALL.iter().skip(usize::from(camera_moves)).step_by(2) {
-                let other = Scene { settings: RenderSettings { accel, ..scene.settings }, ..scene.clone() };
-                assert_eq!(film(&other), image, "{integrator:?} {accel:?}");
-            }
-        }
-    }
-}
-
 /// 200 spheres that move in all directions past a static camera. Culling excludes most, and none that is visible at any time.
 #[test]
 fn objects_that_cross_the_view_are_not_culled() {
@@ -221,11 +202,11 @@ fn objects_that_cross_the_view_are_not_culled() {
             node
         })
         .collect();
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     let explanation = plan.explain();
     assert!(explanation.left_out.iter().any(|left| left.what == "objects, for camera rays"));
     assert!(explanation.used.iter().any(|line| line.starts_with("200 animated objects:")));
-    let full = film_with(&scene, PlanOptions { full: true, ..PlanOptions::default() }, 0);
+    let full = film_with(&scene, full(), 0);
     assert_eq!(film(&scene), full);
 }
 
@@ -238,7 +219,7 @@ fn static_scenes_sample_no_time() {
         node.moves_to = Some(node.parent_from_local);
     }
     scene.cameras[0].settings.moves_to = Some(scene.cameras[0].settings.world_from_camera);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&scene);
     assert!(plan.explain().left_out.iter().any(|left| left.what == "motion blur"));
     assert_eq!(film(&scene), image);
 }
@@ -315,7 +296,7 @@ fn camera_motion_equals_inverse_world_motion() {
     for node in &mut moving_world.nodes {
         node.moves_to = Some(step.inverse());
     }
-    let plan = RenderPlan::compile(&moving_camera, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&moving_camera);
     assert!(plan.explain().used.iter().any(|line| line.starts_with("animated camera:")));
     let covered = |scene: &Scene| {
         let options = PlanOptions { transparent: true, ..PlanOptions::default() };
@@ -353,12 +334,12 @@ fn animated_lights_are_found_by_rays() {
         });
         assert!(still > 0.01 && (moving / still - 1.0).abs() < 0.02, "{integrator:?}: {moving} {still}");
     }
-    let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&moving);
     assert!(
         plan.explain().used.iter().all(|line| !line.starts_with("moving emitters")),
         "whitted samples no area lights"
     );
     moving.settings.integrator = Integrator::Path;
-    let plan = RenderPlan::compile(&moving, &PlanOptions::default()).expect("the scene compiles");
+    let plan = compile(&moving);
     assert!(plan.explain().used.iter().any(|line| line.starts_with("moving emitters")));
 }

@@ -1,18 +1,13 @@
 //! Nested dielectrics, from scene to image.
 
-use crate::support::{everything, film, film_with, point_light, sphere, spheres};
 use rt_camera::{CameraSettings, Projection};
-use rt_geometry::{Cuboid, Shape};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, transcendental::exp};
-use rt_render::{PlanOptions, RenderError, RenderPlan, Rendering, RunOptions};
-use rt_scene_io::{Accel, Content, MaterialId, Scene, SceneNode};
+use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
+use rt_scene_io::{Content, MaterialId, Scene, SceneNode};
 use rt_shading::{Bitmap, ColorTexture, InteriorMedium, Material, Phong, Texture, TextureId, Transmission, Wrap};
 
-fn render(scene: &Scene) -> Rendering {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
-    plan.render(&RunOptions::default(), |_| {}).expect("threads start")
-}
+use crate::support::{compile, cuboid, everything, film, film_with, point_light, render, sphere, spheres};
 
 /// Asserts that images are bit-identical; reports the first difference only.
 fn assert_same(a: &Image, b: &Image, what: &str) {
@@ -30,12 +25,8 @@ fn dielectric(ior: f64, absorption: f64, priority: i32) -> Material {
     Material { interior, ..Material::new("dielectric".into(), phong) }
 }
 
-fn slab(min: [f64; 3], max: [f64; 3]) -> Content {
-    Content::Shape(Shape::Cuboid(Cuboid::new(DVec3::from(min), DVec3::from(max)).expect("a box")))
-}
-
 /// A glass with water, ice and a bubble, all overlapping, among spheres.
-fn drink() -> Scene {
+pub(crate) fn drink() -> Scene {
     let mut scene = spheres();
     scene.name = "drink".into();
     scene.settings.depth = 12;
@@ -44,30 +35,12 @@ fn drink() -> Scene {
     scene.appearance.materials.extend(bodies.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
     let node = |content: Content, body: u32| SceneNode::new(content, MaterialId(first + body));
     scene.nodes.extend([
-        node(slab([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), 0),
-        node(slab([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), 1),
+        node(cuboid([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), 0),
+        node(cuboid([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), 1),
         node(sphere(0.2, 0.7, 3.0, 0.5), 2),
         node(sphere(-0.5, -0.4, 3.0, 0.3), 3),
     ]);
     scene
-}
-
-#[test]
-fn trimming_threads_and_structures_do_not_change_nested_glass() {
-    let mut scene = drink();
-    scene.settings.spp = 1;
-    let image = film(&scene);
-    let full = PlanOptions { full: true, ..PlanOptions::default() };
-    assert_same(&image, &film_with(&scene, full, 0), "full plan");
-    for accel in [Accel::Linear, Accel::Grid, Accel::Bvh] {
-        scene.settings.accel = accel;
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-        let one = plan
-            .render(&RunOptions { threads: 1, count: true, ..RunOptions::default() }, |_| {})
-            .expect("threads start");
-        assert_same(&image, &one.film, accel.name());
-        assert!(one.statistics.shading.passages > 0 && one.statistics.shading.interior_overflows == 0);
-    }
 }
 
 #[test]
@@ -92,14 +65,14 @@ fn nested_dielectrics_of_equal_ior_and_absorption_act_as_one() {
     let glass = MaterialId(scene.appearance.materials.len() as u32);
     let same = MaterialId(glass.0 + 1);
     scene.appearance.materials.extend([dielectric(1.5, 0.3, 0), dielectric(1.5, 0.3, 0)]);
-    scene.nodes.push(SceneNode::new(slab([-2.0, -1.0, 2.0], [2.0, 1.0, 4.0]), glass));
+    scene.nodes.push(SceneNode::new(cuboid([-2.0, -1.0, 2.0], [2.0, 1.0, 4.0]), glass));
     let one = film(&scene);
     scene.nodes.extend([
         SceneNode::new(sphere(-0.4, 0.1, 3.0, 0.8), same),
         SceneNode::new(sphere(0.3, -0.2, 2.8, 0.7), glass),
-        SceneNode::new(slab([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
+        SceneNode::new(cuboid([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
     ]);
-    let several = render(&scene);
+    let several = render(&scene, PlanOptions::default(), RunOptions::default());
     assert!(several.statistics.shading.passages > 1000);
     assert_same(&one, &several.film, &scene.name);
 }
@@ -153,8 +126,8 @@ fn each_orthographic_ray_starts_in_its_own_medium() {
     scene.settings.pattern = rt_camera::SamplerKind::Centre;
     scene.settings.spp = 1;
     scene.nodes = vec![
-        SceneNode::new(slab([-9.0, -9.0, -0.5], [0.0, 9.0, 1.0]), MaterialId(0)),
-        SceneNode::new(slab([-9.0, -9.0, -2.5], [9.0, 9.0, -1.5]), MaterialId(0)),
+        SceneNode::new(cuboid([-9.0, -9.0, -0.5], [0.0, 9.0, 1.0]), MaterialId(0)),
+        SceneNode::new(cuboid([-9.0, -9.0, -2.5], [9.0, 9.0, -1.5]), MaterialId(0)),
     ];
     let film = film(&scene);
     for (i, pixel) in film.pixels().iter().enumerate() {
@@ -175,11 +148,12 @@ fn a_medium_that_is_not_there_is_refused() {
 #[test]
 fn explanations_say_what_nests() {
     let used = |scene: &Scene| {
-        let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
+        let plan = compile(scene);
         plan.explain().used.join("\n")
     };
     let mut scene = drink();
     let explained = used(&scene);
+    assert!(render(&scene, PlanOptions::default(), RunOptions::default()).statistics.shading.passages > 0);
     assert!(explained.contains("priorities 0 to 3; the camera is outside of all"), "{explained}");
     scene.cameras[0].medium = Some(MaterialId(1));
     assert!(used(&scene).contains("the camera is inside of a dielectric"));
@@ -199,8 +173,8 @@ fn each_sample_of_a_nan_texel_is_counted() {
     scene.appearance.materials = vec![Material { emission, ..Material::new("screen".into(), Phong::BLACK) }];
     scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
     // The face of the box towards the camera shows the whole image.
-    scene.nodes = vec![SceneNode::new(slab([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];
-    let rendering = render(&scene);
+    scene.nodes = vec![SceneNode::new(cuboid([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];
+    let rendering = render(&scene, PlanOptions::default(), RunOptions::default());
     assert_eq!(rendering.statistics.bad_samples, 16 * 16 * 4);
     let black = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.0; 3]).count();
     let half = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.5; 3]).count();

@@ -8,12 +8,10 @@ use rt_math::{
     transcendental::hypot,
 };
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
-use rt_scene_io::{
-    Accel, AdaptiveSampling, Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode,
-};
+use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
 use rt_shading::{Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Material, Phong};
 
-use crate::support::{everything, sphere, spheres};
+use crate::support::{self, compile, everything, full, scene, sphere, spheres};
 
 const MIN_SPP: u32 = 4;
 const ALL: u32 = 16;
@@ -24,13 +22,12 @@ fn adaptive(scene: &Scene) -> Scene {
     scene
 }
 
-fn render_with(scene: &Scene, options: &PlanOptions, threads: usize) -> Rendering {
-    let run = RunOptions { threads, maps: true, ..RunOptions::default() };
-    RenderPlan::compile(scene, options).expect("compiles").render(&run, |_| {}).expect("renders")
+fn render_with(scene: &Scene, options: PlanOptions, threads: usize) -> Rendering {
+    support::render(scene, options, RunOptions { threads, maps: true, ..RunOptions::default() })
 }
 
 fn render(scene: &Scene) -> Rendering {
-    render_with(scene, &PlanOptions::default(), 2)
+    render_with(scene, PlanOptions::default(), 2)
 }
 
 fn counts(rendering: &Rendering) -> Vec<u32> {
@@ -66,24 +63,14 @@ fn sun(direction: DVec3) -> DeltaLight {
 /// A pixel is one unit wide and high; the point (x, y) is in column x and row 40 − y, counted down. The camera looks along
 /// −z.
 fn front_view(nodes: Vec<SceneNode>, materials: Vec<Material>, lights: Vec<DeltaLight>) -> Scene {
-    let camera = CameraSettings::new(
-        Transform::translate(DVec3::new(20.0, 20.0, 100.0)),
-        Projection::Orthographic { height: 40.0 },
-    );
-    Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
-        film: FilmSettings { width: 40, height: 40, ..FilmSettings::default() },
-        settings: RenderSettings { spp: ALL, ..RenderSettings::default() },
-        appearance: Appearance {
-            materials,
-            lights,
-            ambient: Rgb::gray(0.1),
-            background: Background::Constant(Rgb::gray(0.3)),
-            ..Appearance::default()
-        },
-        nodes,
-        ..Scene::empty("front view")
-    }
+    let place = Transform::translate(DVec3::new(20.0, 20.0, 100.0));
+    let camera = CameraSettings::new(place, Projection::Orthographic { height: 40.0 });
+    let mut scene = scene(camera, [40, 40], materials, nodes);
+    scene.settings.spp = ALL;
+    scene.appearance.lights = lights;
+    scene.appearance.ambient = Rgb::gray(0.1);
+    scene.appearance.background = Background::Constant(Rgb::gray(0.3));
+    scene
 }
 
 fn wall() -> SceneNode {
@@ -254,8 +241,8 @@ fn sample_counts_are_independent_of_threads_accelerators_and_crops() {
             assert_eq!(counts(rendering), counts(&expected), "{} {what}", scene.name);
             assert_eq!(rendering.film.checksum(), expected.film.checksum(), "{} {what}", scene.name);
         };
-        check(&render_with(&scene, &PlanOptions::default(), 1), "on one thread");
-        check(&render_with(&scene, &PlanOptions { full: true, ..PlanOptions::default() }, 2), "with nothing left out");
+        check(&render_with(&scene, PlanOptions::default(), 1), "on one thread");
+        check(&render_with(&scene, full(), 2), "with nothing left out");
         // Each accelerator meets one of the scenes.
         for &accel in Accel::ALL.iter().skip(turn).step_by(3) {
             let mut other = scene.clone();
@@ -263,9 +250,9 @@ fn sample_counts_are_independent_of_threads_accelerators_and_crops() {
             check(&render(&other), accel.name());
         }
         let crop = Crop { x: 13, y: 9, width: 21, height: 18 };
-        let shard = render_with(&scene, &PlanOptions { crop: Some(crop), ..PlanOptions::default() }, 2);
+        let shard = render_with(&scene, PlanOptions { crop: Some(crop), ..PlanOptions::default() }, 2);
         let width = expected.film.width() as usize;
-        let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&scene);
         for (at, (count, pixel)) in counts(&shard).into_iter().zip(shard.film.pixels()).enumerate() {
             let [x, y] = [13 + at % 21, 9 + at / 21];
             assert_eq!(count, counts(&expected)[y * width + x]);
@@ -299,7 +286,7 @@ fn a_highlight_takes_all_samples_where_it_is_narrow() {
 #[test]
 fn only_whitted_with_fixed_samples_is_adaptive_in_object_space() {
     let mut scene = adaptive(&spheres());
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     assert_eq!((plan.min_samples_per_pixel(), plan.samples_per_pixel()), (Some(4), 4));
     let until = plan.render_until(&RunOptions::default(), &StopRule::default(), |_| {});
     assert!(matches!(until, Err(RenderError::AdaptiveUntil)));

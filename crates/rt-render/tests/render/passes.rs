@@ -2,34 +2,27 @@
 
 use std::time::Duration;
 
-use rt_camera::{CameraSettings, FilmSettings, Projection, SamplerKind};
+use rt_camera::{CameraSettings, Projection, SamplerKind};
 use rt_geometry::{Shape, Triangle};
 use rt_math::{DVec3, Transform};
 use rt_render::{
-    Criterion, ErrorEstimate, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule,
-    Stopped, TargetError,
+    Criterion, ErrorEstimate, PlanOptions, RenderError, Rendering, RunOptions, SampleRange, StopRule, Stopped,
+    TargetError,
 };
-use rt_scene_io::{Content, Integrator, MaterialId, NamedCamera, RenderSettings, Scene, SceneNode};
-use rt_shading::{Appearance, Material, Phong};
+use rt_scene_io::{Content, Integrator, RenderSettings, Scene};
+use rt_shading::{Material, Phong};
 
-use crate::support::{everything, spheres};
+use crate::support::{compile, everything, node, render, scene, spheres};
 
 /// A half-plane below `y = start + slope · x` over an image from 0 to 1, seen as gray ½ before black in the red channel.
 fn half_plane(side: u32, start: f64, slope: f64) -> Scene {
     let at = |x: f64| DVec3::new(x - 0.5, start + slope * x - 0.5, 0.0);
     let triangle = Triangle::new([at(-9.0), DVec3::new(0.0, -99.0, 0.0), at(10.0)]).expect("a triangle");
     let camera = CameraSettings::new(Transform::translate(DVec3::Z), Projection::Orthographic { height: 1.0 });
-    Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
-        film: FilmSettings { width: side, height: side, ..FilmSettings::default() },
-        settings: RenderSettings { integrator: Integrator::Normals, ..RenderSettings::default() },
-        appearance: Appearance {
-            materials: vec![Material::new("any".into(), Phong::default())],
-            ..Appearance::default()
-        },
-        nodes: vec![SceneNode::new(Content::Shape(Shape::Triangle(triangle)), MaterialId(0))],
-        ..Scene::empty("half-plane")
-    }
+    let materials = vec![Material::new("any".into(), Phong::default())];
+    let mut scene = scene(camera, [side; 2], materials, vec![node(Content::Shape(Shape::Triangle(triangle)), 0)]);
+    scene.settings.integrator = Integrator::Normals;
+    scene
 }
 
 /// Exact pixel values of that image, row by row: half of the area of the pixel below the line.
@@ -44,13 +37,12 @@ fn truth(side: u32, start: f64, slope: f64) -> Vec<f64> {
     (0..side * side).map(pixel).collect()
 }
 
-fn fixed(scene: &Scene, run: RunOptions) -> Rendering {
-    RenderPlan::compile(scene, &PlanOptions::default()).expect("compiles").render(&run, |_| {}).expect("renders")
+fn fixed(scene: &Scene, run: RunOptions<'_>) -> Rendering {
+    render(scene, PlanOptions::default(), run)
 }
 
-fn until(scene: &Scene, rule: StopRule, run: RunOptions) -> Rendering {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("compiles");
-    plan.render_until(&run, &rule, |_| {}).expect("renders")
+fn until(scene: &Scene, rule: StopRule, run: RunOptions<'_>) -> Rendering {
+    compile(scene).render_until(&run, &rule, |_| {}).expect("renders")
 }
 
 fn to_error(relative: f64, two_stage: bool, max_spp: u32) -> StopRule {
@@ -162,7 +154,7 @@ fn fixed_patterns_have_no_error_estimate() {
     let mut scene = half_plane(4, 0.3, 0.2);
     (scene.settings.pattern, scene.settings.passes) = (SamplerKind::Grid, Some(2));
     assert_eq!(fixed(&scene, RunOptions::default()).error, None);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let refused = plan.render_until(&RunOptions::default(), &to_error(0.1, false, 64), |_| {});
     assert!(matches!(refused, Err(RenderError::SamePasses("grid"))), "{refused:?}");
 }

@@ -2,14 +2,10 @@
 
 use std::collections::HashSet;
 
-use crate::support::{everything, spheres};
 use rt_math::{DVec3, Transform};
-use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::{Content, Group, GroupId, Scene, SceneNode};
 
-fn compile(scene: &Scene, full: bool) -> RenderPlan<'_> {
-    RenderPlan::compile(scene, &PlanOptions { full, ..PlanOptions::default() }).expect("the scene compiles")
-}
+use crate::support::{compile, compile_with, everything, full, spheres};
 
 fn name_all(nodes: &mut [SceneNode], prefix: &str) {
     for (index, node) in nodes.iter_mut().enumerate() {
@@ -36,7 +32,7 @@ fn trimmed_and_full_plans_pick_the_same() {
     place.children = nested.nodes.split_off(12);
     nested.nodes.insert(5, place);
     for scene in [spheres(), nested, everything()].map(named) {
-        let (plan, full) = (compile(&scene, false), compile(&scene, true));
+        let (plan, full) = (compile(&scene), compile_with(&scene, full()));
         let mut names = HashSet::new();
         for (x, y) in (0..43).flat_map(|y| (0..61).map(move |x| (x, y))) {
             let picked = plan.pick(x, y);
@@ -60,7 +56,7 @@ fn the_hit_point_of_a_sphere_is_exact() {
         scene.nodes[0].parent_from_local = Transform::translate(DVec3::X * offset);
         scene.cameras[0].settings.world_from_camera =
             Transform::look_at(eye + DVec3::X * offset, centre + DVec3::X * offset, DVec3::Y).expect("a view");
-        let plan = compile(&scene, false);
+        let plan = compile(&scene);
         let picked = plan.pick(30, 21).expect("the sphere");
         assert_eq!((picked.object, picked.material.as_str()), (vec!["ball".to_owned()], "grey"));
         assert!((picked.distance - 3.55).abs() < 1e-8, "{}", picked.distance);
@@ -73,7 +69,7 @@ fn the_hit_point_of_a_sphere_is_exact() {
 #[test]
 fn instances_precede_the_names_of_their_objects() {
     let scene = named(everything());
-    let plan = compile(&scene, false);
+    let plan = compile(&scene);
     let all = (0..43).flat_map(|y| (0..61).map(move |x| (x, y)));
     let deep: HashSet<_> = all.filter_map(|(x, y)| plan.pick(x, y)).map(|picked| picked.object.len()).collect();
     assert_eq!(deep, HashSet::from([1, 2]));

@@ -1,35 +1,27 @@
 //! Images with pixels in closed form.
 
-use rt_camera::{CameraSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
-use rt_render::{PlanOptions, Precision, RenderPlan, RunOptions};
-use rt_scene_io::{Content, Integrator, MaterialId, MeshId, NamedCamera, NamedMesh, Scene, SceneNode};
+use rt_render::{PlanOptions, Precision, RunOptions};
+use rt_scene_io::{Content, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode};
 use rt_shading::{ColorTexture, InteriorMedium, Material, Phong, Transmission};
 
-use crate::support::{point_light, spheres};
+use crate::support::{camera, compile_with, film, node, point_light, scene};
 
 /// A white diffuse scene under one light at (0, 4, 0) of strength 1, seen straight from above.
 fn from_above(content: Content) -> Scene {
-    let mut scene = spheres();
-    let camera = CameraSettings::new(
-        Transform::look_at(DVec3::Y * 5.0, DVec3::ZERO, DVec3::NEG_Z).expect("a view"),
-        Projection::Perspective { fov: 0.8, axis: FovAxis::Vertical },
-    );
-    scene.cameras = vec![NamedCamera { name: "above".into(), settings: camera, medium: None }];
-    (scene.film.width, scene.film.height, scene.settings.spp) = (33, 33, 1);
-    scene.settings.pattern = rt_camera::SamplerKind::Centre;
     let white = ColorTexture::Constant(Rgb::WHITE);
-    scene.appearance.materials[0].model = Phong { diffuse: white, ..Phong::BLACK }.into();
+    let material = Material::new("white".into(), Phong { diffuse: white, ..Phong::BLACK });
+    let camera = camera([0.0, 5.0, 0.0], [0.0; 3], DVec3::NEG_Z, 0.8);
+    let mut scene = scene(camera, [33, 33], vec![material], vec![node(content, 0)]);
+    (scene.settings.spp, scene.settings.pattern) = (1, rt_camera::SamplerKind::Centre);
     scene.appearance.lights = vec![point_light([0.0, 4.0, 0.0], 1.0)];
-    scene.nodes = vec![SceneNode::new(content, MaterialId(0))];
     scene
 }
 
 /// Each pixel shows the cosine of the light on a floor at height 0, without a shadow anywhere.
 fn assert_lit_floor(scene: &Scene) {
-    let plan = RenderPlan::compile(scene, &PlanOptions::default()).expect("the scene compiles");
-    let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
+    let film = film(scene);
     let half = rt_math::transcendental::tan(0.4);
     for (i, pixel) in film.pixels().iter().enumerate() {
         let (x, y) = ((i % 33) as f64 - 16.0, (i / 33) as f64 - 16.0);
@@ -64,9 +56,7 @@ fn the_inside_of_a_sphere_is_lit_uniformly() {
     // Light from the centre of a sphere has normal incidence: radiance is 1 in every pixel.
     let sphere = Sphere::new(DVec3::Y * 4.0, 30.0).expect("a sphere");
     let scene = from_above(Content::Shape(Shape::Sphere(sphere)));
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
-    let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
-    assert!(film.pixels().iter().flatten().all(|c| (c - 1.0).abs() < 1e-6));
+    assert!(film(&scene).pixels().iter().flatten().all(|c| (c - 1.0).abs() < 1e-6));
 }
 
 #[test]
@@ -89,7 +79,7 @@ fn whitted_absorbed_no_light_on_the_way_from_a_light() {
         (Integrator::Direct, Precision::F32),
     ] {
         scene.settings.integrator = integrator;
-        let plan = RenderPlan::compile(&scene, &PlanOptions { precision, ..PlanOptions::default() }).expect("a plan");
+        let plan = compile_with(&scene, PlanOptions { precision, ..PlanOptions::default() });
         let film = plan.render(&RunOptions::default(), |_| {}).expect("threads start").film;
         for (i, pixel) in film.pixels().iter().enumerate() {
             let at = DVec2::new((i % 33) as f64 - 16.0, (i / 33) as f64 - 16.0).length() / 16.5 * half * 5.0;

@@ -1,11 +1,12 @@
 //! Errors of invalid scenes name the offending object.
 
-use crate::support::{sphere, spheres};
 use rt_camera::Projection;
 use rt_geometry::{MeshData, TriangleMesh};
 use rt_math::{DVec3, Transform, Vec3};
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan};
 use rt_scene_io::{Accel, Content, Group, GroupId, MaterialId, MeshId, NamedMesh, Scene, SceneNode};
+
+use crate::support::{compile, sphere, spheres};
 
 fn refusal(scene: &Scene, options: &PlanOptions) -> RenderError {
     RenderPlan::compile(scene, options).expect_err("the scene must be refused")
@@ -67,7 +68,7 @@ fn chain_of_groups(length: u32) -> Scene {
 #[test]
 fn long_chains_of_groups_fit_the_stack_of_a_thread() {
     let compile = || {
-        RenderPlan::compile(&chain_of_groups(1023), &PlanOptions::default()).expect("the scene compiles");
+        compile(&chain_of_groups(1023));
         let message = refusal(&chain_of_groups(1024), &PlanOptions::default()).to_string();
         assert!(message.contains("1024"), "{message}");
     };
@@ -87,7 +88,7 @@ fn a_forest_of_more_triangles_than_32_bits_can_number_is_accepted() {
     scene.settings.accel = Accel::Linear;
     scene.meshes = vec![NamedMesh { name: "tree".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
     scene.nodes = vec![SceneNode::new(Content::Mesh(MeshId(0)), MaterialId(0)); TRIANGLES + 1];
-    RenderPlan::compile(&scene, &PlanOptions::default()).expect("the scene compiles");
+    compile(&scene);
     // Within a group that is placed twice, each triangle needs its own index.
     scene.groups = vec![Group { name: "forest".into(), nodes: std::mem::take(&mut scene.nodes) }];
     scene.nodes = vec![SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0)); 2];

@@ -1,32 +1,15 @@
 //! Plans whose camera is replaced after compilation.
 
-use crate::support::{everything, spheres};
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection};
 use rt_image::Image;
 use rt_math::{DVec3, Transform};
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, RunOptions};
 use rt_scene_io::{Accel, Integrator, Scene};
 
-const PLAIN: PlanOptions = PlanOptions {
-    camera: 0,
-    crop: None,
-    transparent: false,
-    backdrop: None,
-    full: false,
-    simd: None,
-    precision: rt_render::Precision::F32,
-    quality: rt_render::Quality::Medium,
-    memory: None,
-    progressive: false,
-    maps: false,
-};
+use crate::support::{self, compile, compile_with, everything, film, full, spheres};
 
 fn image(plan: &RenderPlan<'_>) -> Image {
     plan.render(&RunOptions::default(), |_| {}).expect("threads start").film
-}
-
-fn compile<'s>(scene: &'s Scene, options: &PlanOptions) -> RenderPlan<'s> {
-    RenderPlan::compile(scene, options).expect("the scene compiles")
 }
 
 fn looking(eye: [f64; 3], target: [f64; 3]) -> CameraSettings {
@@ -49,15 +32,15 @@ fn cameras() -> Vec<CameraSettings> {
 }
 
 /// The image of each camera is bit-identical to that of a plan compiled with it, for all previous cameras.
-fn assert_same_images(mut scene: Scene, options: &PlanOptions) {
+fn assert_same_images(mut scene: Scene, options: PlanOptions) {
     let first = scene.clone();
-    let mut plan = compile(&first, options);
+    let mut plan = compile_with(&first, options);
     for (index, camera) in cameras().into_iter().enumerate() {
         let [width, height] = [[37, 29], [64, 16]][index % 2];
         plan.set_camera(&camera, [width, height]).expect("a sound camera");
         (scene.film.width, scene.film.height) = (width, height);
         scene.cameras[0].settings = camera;
-        let compiled = compile(&scene, options);
+        let compiled = compile_with(&scene, options);
         let context = format!("camera {index}, {:?}", scene.settings.integrator);
         assert_eq!(plan.samples_per_pixel(), compiled.samples_per_pixel(), "{context}");
         assert_eq!(plan.explain().used, compiled.explain().used, "{context}");
@@ -71,10 +54,10 @@ fn replacing_the_camera_equals_compiling_with_it() {
         let mut scene = everything();
         scene.settings.integrator = integrator;
         scene.settings.spp = 2;
-        assert_same_images(scene, &PLAIN);
+        assert_same_images(scene, PlanOptions::default());
     }
-    assert_same_images(spheres(), &PLAIN);
-    assert_same_images(everything(), &PlanOptions { full: true, transparent: true, ..PLAIN });
+    assert_same_images(spheres(), PlanOptions::default());
+    assert_same_images(everything(), PlanOptions { transparent: true, ..full() });
 }
 
 #[test]
@@ -84,18 +67,15 @@ fn in_a_scene_far_from_the_origin_as_well() {
     for node in &mut scene.nodes {
         node.parent_from_local = Transform::translate(far);
     }
-    let camera = |offset: f64| {
-        let place = Transform::look_at(far + DVec3::new(offset, 0.0, 9.0), far, DVec3::Y).expect("a view");
-        CameraSettings::new(place, Projection::Perspective { fov: 0.5, axis: FovAxis::Vertical })
-    };
+    let camera = |offset: f64| support::camera(far + DVec3::new(offset, 0.0, 9.0), far, DVec3::Y, 0.5);
     scene.cameras[0].settings = camera(0.0);
     let first = scene.clone();
-    let mut plan = compile(&first, &PLAIN);
+    let mut plan = compile(&first);
     // The last camera is so far away that the scene needs no render space of its own.
     for offset in [0.5, 7.0, 3e5] {
         plan.set_camera(&camera(offset), [61, 43]).expect("a sound camera");
         scene.cameras[0].settings = camera(offset);
-        assert_eq!(image(&plan), image(&compile(&scene, &PLAIN)), "{offset}");
+        assert_eq!(image(&plan), film(&scene), "{offset}");
     }
 }
 
@@ -103,7 +83,7 @@ fn in_a_scene_far_from_the_origin_as_well() {
 fn structures_are_not_built_again() {
     let mut scene = spheres();
     scene.settings.accel = Accel::BihLazy;
-    let mut plan = compile(&scene, &PLAIN);
+    let mut plan = compile(&scene);
     let build_seconds = plan.build_seconds();
     plan.set_camera(&cameras()[0], [20, 20]).expect("a sound camera");
     assert_eq!(plan.build_seconds().to_bits(), build_seconds.to_bits());
@@ -113,15 +93,15 @@ fn structures_are_not_built_again() {
 fn replacing_the_camera_drops_the_crop() {
     let scene = everything();
     let crop = Some(Crop { x: 5, y: 6, width: 7, height: 8 });
-    let mut plan = compile(&scene, &PlanOptions { crop, ..PLAIN });
+    let mut plan = compile_with(&scene, PlanOptions { crop, ..PlanOptions::default() });
     plan.set_camera(&scene.cameras[0].settings, [61, 43]).expect("a sound camera");
-    assert_eq!(image(&plan), image(&compile(&scene, &PLAIN)));
+    assert_eq!(image(&plan), film(&scene));
 }
 
 #[test]
 fn a_refused_camera_leaves_the_plan_as_it_was() {
     let scene = everything();
-    let mut plan = compile(&scene, &PLAIN);
+    let mut plan = compile(&scene);
     let before = image(&plan);
     let blind =
         CameraSettings { projection: Projection::Orthographic { height: 0.0 }, ..looking([0.0, 0.0, 5.0], [0.0; 3]) };

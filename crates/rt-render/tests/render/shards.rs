@@ -5,33 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rt_camera::SamplerKind;
 use rt_math::random::hash;
 use rt_render::{
-    Checkpoint, MergeError, Observer, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions,
-    Shard, ShardSpec, StopRule, Stopped, TargetError,
+    Checkpoint, MergeError, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions, Shard,
+    ShardSpec, StopRule, Stopped, TargetError,
 };
 use rt_scene_io::{AdaptiveSampling, Integrator, MaterialId, Scene, SceneNode};
 
-use crate::support::{everything, sphere, spheres};
-
-/// Saves a checkpoint after some tiles and interrupts the render some tiles later.
-struct Killer<'a> {
-    kept_after: u64,
-    killed_after: u64,
-    tiles: u64,
-    checkpoint: Vec<u8>,
-    interrupt: &'a AtomicBool,
-}
-
-impl Observer for Killer<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        self.tiles += 1;
-        if self.tiles == self.kept_after {
-            self.checkpoint = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
-        }
-        if self.tiles >= self.killed_after {
-            self.interrupt.store(true, Ordering::Relaxed);
-        }
-    }
-}
+use crate::support::{OnTile, compile, compile_with, everything, interrupted, sphere, spheres};
 
 /// Mode of rendering: a scene and a stop rule.
 struct Mode {
@@ -94,7 +73,7 @@ fn assert_same(one: &Rendering, other: &Rendering, what: &str) {
 #[test]
 fn resumed_renders_are_bit_identical() {
     for (number, mode) in modes().iter().enumerate() {
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let whole = shard(&plan, mode, &RUN).into_rendering();
         let mut kills_in_all = 0;
         // Short renders can finish before the interrupt takes effect, most often on a busy machine.
@@ -105,20 +84,15 @@ fn resumed_renders_are_bit_identical() {
             let mut from = None;
             let mut kills = 0;
             let result = loop {
-                let interrupt = AtomicBool::new(false);
                 let random = |dimension, max| 1 + hash(&[number as u64, seed, kills, dimension]) % max;
                 let kept_after = random(0, 5);
-                let killed_after = kept_after + random(1, 4);
-                let mut killer =
-                    Killer { kept_after, killed_after, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
-                let run = RunOptions { interrupt: Some(&interrupt), ..RUN };
-                let shard = plan.render_shard(&run, mode.rule.as_ref(), from, &mut killer).expect("renders");
-                let rendering = shard.into_rendering();
+                let tiles = [kept_after, kept_after + random(1, 4)];
+                let (checkpoint, rendering) = interrupted(&plan, mode.rule.as_ref(), from, RUN, tiles);
                 if rendering.stopped != Stopped::Interrupted {
                     break rendering;
                 }
                 kills += 1;
-                from = Some(postcard::from_bytes::<Checkpoint>(&killer.checkpoint).expect("read"));
+                from = Some(postcard::from_bytes::<Checkpoint>(&checkpoint).expect("read"));
             };
             let what = format!("{} with seed {seed} after {kills} kills", mode.name);
             kills_in_all += kills;
@@ -132,38 +106,29 @@ fn resumed_renders_are_bit_identical() {
     }
 }
 
-impl Observer for &mut Killer<'_> {
-    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-        (**self).tile_done(snapshot);
-    }
-}
-
 #[test]
 fn snapshots_contain_the_pixels_of_finished_tiles() {
     for mode in modes().iter().filter(|mode| mode.rule.is_none_or(|rule| rule.target.is_none())) {
-        struct TileCopier(Vec<[f32; 3]>, u32);
-        impl Observer for &mut TileCopier {
-            fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
-                let tile = snapshot.tile();
-                for (index, pixel) in snapshot.pixels().into_iter().enumerate() {
-                    let (x, y) = (tile.x + index as u32 % tile.width, tile.y + index as u32 / tile.width);
-                    self.0[(y * self.1 + x) as usize] = pixel;
-                }
-                assert_eq!(snapshot.film().pixels(), self.0);
-            }
-        }
         let film = &mode.scene.film;
-        let mut copier = TileCopier(vec![[0.0; 3]; (film.width * film.height) as usize], film.width);
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
-        let shard = plan.render_shard(&RUN, mode.rule.as_ref(), None, &mut copier).expect("renders");
-        assert_eq!(shard.into_rendering().film.pixels(), copier.0, "{}", mode.name);
+        let mut copied = vec![[0.0; 3]; (film.width * film.height) as usize];
+        let observer = OnTile(|snapshot: &RenderSnapshot<'_>| {
+            let tile = snapshot.tile();
+            for (index, pixel) in snapshot.pixels().into_iter().enumerate() {
+                let (x, y) = (tile.x + index as u32 % tile.width, tile.y + index as u32 / tile.width);
+                copied[(y * film.width + x) as usize] = pixel;
+            }
+            assert_eq!(snapshot.film().pixels(), copied);
+        });
+        let plan = compile(&mode.scene);
+        let shard = plan.render_shard(&RUN, mode.rule.as_ref(), None, observer).expect("renders");
+        assert_eq!(shard.into_rendering().film.pixels(), copied, "{}", mode.name);
     }
 }
 
 #[test]
 fn joined_shares_are_bit_identical_to_one_render() {
     for mode in modes().iter().filter(|mode| mode.rule.is_none()) {
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let whole = shard(&plan, mode, &RUN).into_rendering();
         // Light paths belong to no tile: each shard traces all of them.
         let traces_all = mode.scene.settings.integrator == Integrator::Caustics;
@@ -187,7 +152,7 @@ fn joined_shares_are_bit_identical_to_one_render() {
 #[test]
 fn join_errors_name_the_part() {
     let mode = &modes()[0];
-    let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&mode.scene);
     let of =
         |index, count| shard(&plan, mode, &RunOptions { shard: ShardSpec::new(index, count).expect("a shard"), ..RUN });
     let [a, b, c] = [0, 1, 2].map(|index| of(index, 3));
@@ -198,7 +163,7 @@ fn join_errors_name_the_part() {
     assert_eq!(Shard::merge(vec![a.clone(), of(1, 4), c.clone()]), Err(other));
     let mut small = mode.scene.clone();
     small.film.width -= 1;
-    let foreign = RenderPlan::compile(&small, &PlanOptions::default()).expect("compiles");
+    let foreign = compile(&small);
     let foreign = shard(&foreign, mode, &RunOptions { shard: ShardSpec::new(1, 3).expect("a shard"), ..RUN });
     assert_eq!(Shard::merge(vec![a.clone(), foreign, c.clone()]), Err(MergeError::Foreign(1)));
 
@@ -220,7 +185,7 @@ fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
     // It covers the image, so that no tile is empty.
     scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 6.0), MaterialId(0))];
     scene.settings.spp = 1 << 30;
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&scene);
     let interrupt = AtomicBool::new(false);
     let mut finished = 0;
     let shard = std::thread::scope(|scope| {
@@ -240,7 +205,7 @@ fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
 fn interrupted_parts_of_passes_are_unfinished() {
     let mode = &modes()[2];
     assert_eq!(mode.name, "caustics");
-    let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&mode.scene);
     let interrupt = AtomicBool::new(true);
     let shards = [0, 1].map(|index| {
         let run = RunOptions { interrupt: Some(&interrupt), shard: ShardSpec::new(index, 2).expect("a shard"), ..RUN };
@@ -254,18 +219,13 @@ fn interrupted_parts_of_passes_are_unfinished() {
 #[test]
 fn checkpoints_of_other_renders_are_refused() {
     let keep = |mode: &Mode, options: &PlanOptions, run: RunOptions<'_>| {
-        let plan = RenderPlan::compile(&mode.scene, options).expect("compiles");
-        let interrupt = AtomicBool::new(false);
-        let mut killer =
-            Killer { kept_after: 1, killed_after: 1, tiles: 0, checkpoint: Vec::new(), interrupt: &interrupt };
-        let run = RunOptions { interrupt: Some(&interrupt), ..run };
-        plan.render_shard(&run, mode.rule.as_ref(), None, &mut killer).expect("renders");
-        killer.checkpoint
+        let plan = compile_with(&mode.scene, *options);
+        interrupted(&plan, mode.rule.as_ref(), None, run, [1, 1]).0
     };
     let modes = modes();
     let [plain, path, growing, target] = [0, 1, 4, 5].map(|index| &modes[index]);
     let try_in = |checkpoint: &[u8], mode: &Mode, run: RunOptions<'_>| {
-        let plan = RenderPlan::compile(&mode.scene, &PlanOptions::default()).expect("compiles");
+        let plan = compile(&mode.scene);
         let from = postcard::from_bytes(checkpoint).expect("read");
         plan.render_shard(&run, mode.rule.as_ref(), Some(from), |_| {}).map(|_| ())
     };
@@ -289,7 +249,7 @@ fn checkpoints_of_other_renders_are_refused() {
 #[test]
 fn a_share_takes_a_fixed_number_of_samples() {
     let modes = modes();
-    let plan = RenderPlan::compile(&modes[4].scene, &PlanOptions::default()).expect("compiles");
+    let plan = compile(&modes[4].scene);
     let run = RunOptions { shard: ShardSpec::new(0, 2).expect("a shard"), ..RUN };
     let refused = plan.render_shard(&run, modes[4].rule.as_ref(), None, |_| {});
     assert!(matches!(refused, Err(RenderError::ShardWithStopRule)));

@@ -1,12 +1,15 @@
 //! Scenes built in code, for the tests of this crate.
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 use rt_camera::{CameraSettings, FilmSettings, FovAxis, Projection};
 use rt_geometry::{Cuboid, InsideRule, MeshData, Plane, Polygon, Shape, Sphere, Triangle, TriangleMesh};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, Vec3};
-use rt_render::{PlanOptions, RenderPlan, RunOptions};
+use rt_render::{Checkpoint, Observer, PlanOptions, RenderPlan, RenderSnapshot, Rendering, RunOptions, StopRule};
 use rt_scene_io::{
     Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedCamera, NamedMesh, RenderSettings, Scene, SceneNode,
 };
@@ -15,18 +18,93 @@ use rt_shading::{
     Texture, TextureId, Transmission,
 };
 
+pub(crate) fn compile(scene: &Scene) -> RenderPlan<'_> {
+    compile_with(scene, PlanOptions::default())
+}
+
+pub(crate) fn compile_with(scene: &Scene, options: PlanOptions) -> RenderPlan<'_> {
+    RenderPlan::compile(scene, &options).expect("the scene compiles")
+}
+
+/// Options of a plan that leaves nothing out.
+pub(crate) fn full() -> PlanOptions {
+    PlanOptions { full: true, ..PlanOptions::default() }
+}
+
+pub(crate) fn render(scene: &Scene, options: PlanOptions, run: RunOptions<'_>) -> Rendering {
+    compile_with(scene, options).render(&run, |_| {}).expect("threads start")
+}
+
 /// Image on this number of threads; 0 for one for each processor.
 pub(crate) fn film_with(scene: &Scene, options: PlanOptions, threads: usize) -> Image {
-    let plan = RenderPlan::compile(scene, &options).expect("the scene compiles");
-    plan.render(&RunOptions { threads, ..RunOptions::default() }, |_| {}).expect("threads start").film
+    render(scene, options, RunOptions { threads, ..RunOptions::default() }).film
 }
 
 pub(crate) fn film(scene: &Scene) -> Image {
     film_with(scene, PlanOptions::default(), 0)
 }
 
+/// Observer that calls a function after each tile.
+pub(crate) struct OnTile<F>(pub(crate) F);
+
+impl<F: FnMut(&RenderSnapshot<'_>)> Observer for OnTile<F> {
+    fn tile_done(&mut self, snapshot: &RenderSnapshot<'_>) {
+        self.0(snapshot);
+    }
+}
+
+/// Checkpoint after `kept_after` tiles of a render that is interrupted `killed_after` tiles after its start, and its result.
+pub(crate) fn interrupted(
+    plan: &RenderPlan<'_>,
+    rule: Option<&StopRule>,
+    from: Option<Checkpoint>,
+    run: RunOptions<'_>,
+    [kept_after, killed_after]: [u64; 2],
+) -> (Vec<u8>, Rendering) {
+    let interrupt = AtomicBool::new(false);
+    let (mut tiles, mut checkpoint) = (0, Vec::new());
+    let observer = OnTile(|snapshot: &RenderSnapshot<'_>| {
+        tiles += 1;
+        if tiles == kept_after {
+            checkpoint = postcard::to_stdvec(&snapshot.checkpoint()).expect("written");
+        }
+        if tiles >= killed_after {
+            interrupt.store(true, Ordering::Relaxed);
+        }
+    });
+    let run = RunOptions { interrupt: Some(&interrupt), ..run };
+    let shard = plan.render_shard(&run, rule, from, observer).expect("renders");
+    (checkpoint, shard.into_rendering())
+}
+
+/// Camera with a vertical field of view in radians.
+pub(crate) fn camera(eye: impl Into<DVec3>, target: impl Into<DVec3>, up: DVec3, fov: f64) -> CameraSettings {
+    let world_from_camera = Transform::look_at(eye.into(), target.into(), up).expect("a view");
+    CameraSettings::new(world_from_camera, Projection::Perspective { fov, axis: FovAxis::Vertical })
+}
+
+/// Scene before a black background, without lights.
+pub(crate) fn scene(camera: CameraSettings, size: [u32; 2], materials: Vec<Material>, nodes: Vec<SceneNode>) -> Scene {
+    let [width, height] = size;
+    Scene {
+        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
+        film: FilmSettings { width, height, ..FilmSettings::default() },
+        appearance: Appearance { materials, ..Appearance::default() },
+        nodes,
+        ..Scene::empty("test")
+    }
+}
+
+pub(crate) fn node(content: Content, material: u32) -> SceneNode {
+    SceneNode::new(content, MaterialId(material))
+}
+
 pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
     Content::Shape(Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere")))
+}
+
+pub(crate) fn cuboid(min: [f64; 3], max: [f64; 3]) -> Content {
+    Content::Shape(Shape::Cuboid(Cuboid::new(min.into(), max.into()).expect("a box")))
 }
 
 pub(crate) fn point_light(position: [f64; 3], strength: f64) -> DeltaLight {
@@ -44,31 +122,15 @@ fn gray(value: f64) -> ColorTexture {
 
 /// Diffuse spheres on a grid, two lights, a small image, and a camera at z = 9.
 pub(crate) fn spheres() -> Scene {
-    let camera = CameraSettings::new(
-        Transform::look_at(DVec3::new(1.0, 3.0, 9.0), DVec3::ZERO, DVec3::Y).expect("a view"),
-        Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical },
-    );
-    let nodes = (0..27)
-        .map(|i| {
-            SceneNode::new(
-                sphere(f64::from(i % 3) - 1.0, f64::from(i / 3 % 3) - 1.0, f64::from(i / 9) - 1.0, 0.45),
-                MaterialId(0),
-            )
-        })
-        .collect();
-    Scene {
-        cameras: vec![NamedCamera { name: "main".into(), settings: camera, medium: None }],
-        film: FilmSettings { width: 61, height: 43, ..FilmSettings::default() },
-        settings: RenderSettings { spp: 4, ..RenderSettings::default() },
-        appearance: Appearance {
-            materials: vec![material("grey", Phong { ambient: ColorTexture::ZERO, ..Phong::default() })],
-            lights: vec![point_light([5.0, 8.0, 6.0], 0.8), point_light([-5.0, 3.0, 6.0], 0.3)],
-            background: Background::Constant(Rgb::new(0.1, 0.2, 0.3)),
-            ..Appearance::default()
-        },
-        nodes,
-        ..Scene::empty("spheres")
-    }
+    let grid = |i| [i % 3, i / 3 % 3, i / 9].map(|at| f64::from(at) - 1.0);
+    let nodes = (0..27).map(grid).map(|[x, y, z]| node(sphere(x, y, z, 0.45), 0)).collect();
+    let gray = material("grey", Phong { ambient: ColorTexture::ZERO, ..Phong::default() });
+    let mut scene = scene(camera([1.0, 3.0, 9.0], [0.0; 3], DVec3::Y, 0.7), [61, 43], vec![gray], nodes);
+    scene.name = "spheres".into();
+    scene.settings.spp = 4;
+    scene.appearance.lights = vec![point_light([5.0, 8.0, 6.0], 0.8), point_light([-5.0, 3.0, 6.0], 0.3)];
+    scene.appearance.background = Background::Constant(Rgb::new(0.1, 0.2, 0.3));
+    scene
 }
 
 /// Diffuse scene that path tracing shades in streams: small meshes, spheres, a plane, an emissive polygon and a point light. One mesh
@@ -98,7 +160,6 @@ pub(crate) fn diffuse_shapes() -> Scene {
     let corners = [[-1.0, 3.0, 0.0], [1.0, 3.0, 0.0], [1.0, 3.0, 1.5], [-1.0, 3.0, 1.5]].map(DVec3::from_array);
     let outline = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex).expect("a polygon");
     let floor = Plane::new(DVec3::NEG_Y * 1.5, DVec3::Y).expect("a plane");
-    let node = |content, material| SceneNode::new(content, MaterialId(material));
     let mut smooth = node(Content::Mesh(MeshId(1)), 1);
     smooth.casts_shadow = false;
     scene.nodes = vec![
@@ -188,29 +249,26 @@ pub(crate) fn everything() -> Scene {
 
     let at = |content: Content, material: u32, transform: Transform| SceneNode {
         parent_from_local: transform,
-        ..SceneNode::new(content, MaterialId(material))
+        ..node(content, material)
     };
     let moved = |x: f64, y: f64, z: f64| Transform::translate(DVec3::new(x, y, z));
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.8).expect("an axis");
     let stretch = Transform::scale(DVec3::new(1.5, 0.6, -0.8)).expect("regular");
-    let unit_box = Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).expect("a box");
+    let unit_box = || cuboid([-0.5; 3], [0.5; 3]);
     let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("a triangle");
     let floor = Plane::new(DVec3::NEG_Y, DVec3::Y).expect("a plane");
     let small = Transform::scale(DVec3::splat(0.3)).expect("regular");
     scene.groups = vec![
         Group {
             name: "pair".into(),
-            nodes: vec![
-                SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(2)),
-                at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.0, 0.0)),
-            ],
+            nodes: vec![node(sphere(0.0, 0.0, 0.0, 1.0), 2), at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.0, 0.0))],
         },
         Group {
             name: "pairs".into(),
             nodes: vec![
                 at(Content::Instance(GroupId(0)), 0, moved(0.0, 0.0, -1.5)),
                 at(Content::Instance(GroupId(0)), 0, moved(2.0, 0.0, 0.0).compose(&turn)),
-                at(Content::Shape(Shape::Cuboid(unit_box)), 5, turn),
+                at(unit_box(), 5, turn),
             ],
         },
     ];
@@ -221,7 +279,7 @@ pub(crate) fn everything() -> Scene {
         at(sphere(0.0, 0.0, 0.0, 0.8), 3, moved(-1.0, 0.0, 1.0)),
         at(sphere(0.0, 0.0, 0.0, 0.5), 4, moved(0.6, -0.4, 3.0)),
         at(sphere(0.0, 0.0, 0.0, 0.7), 0, moved(2.5, 0.0, -1.0).compose(&turn).compose(&stretch)),
-        at(Content::Shape(Shape::Cuboid(unit_box)), 2, moved(-2.5, 0.0, -1.0).compose(&turn)),
+        at(unit_box(), 2, moved(-2.5, 0.0, -1.0).compose(&turn)),
         at(Content::Shape(Shape::Triangle(triangle)), 5, moved(0.0, 1.0, -2.0).compose(&stretch)),
         at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.2, -1.0).compose(&turn)),
         at(Content::Instance(GroupId(1)), 0, moved(-2.5, -0.6, 2.0).compose(&small)),

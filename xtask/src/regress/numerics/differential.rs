@@ -79,7 +79,7 @@ impl RayTrial<'_> {
     fn compare(&self, index: u64, ray: &Ray, what: &str, draw: &mut Draw, checks: &mut Checks) {
         let Some((linear, others)) = self.structures.split_first() else { return };
         let ahead = linear.closest(self.set, ray, Interval::FORWARD, &mut NoProbe);
-        let span = span_at(ahead.map_or(1.0, |hit| hit.t), draw);
+        let span = span_at(|| ahead.map_or(1.0, |hit| hit.t), draw);
         let expected = linear.closest(self.set, ray, span, &mut NoProbe);
         let looks_for_all = index.is_multiple_of(ALL_HITS_EVERY);
         let all_expected = looks_for_all.then(|| all_hits(linear, self.set, ray, span));

@@ -9,8 +9,8 @@ use rt_accel::{
 };
 
 use super::{bundles, key, levels, with_odd_ones};
-use crate::soup::draw::Draw;
-use crate::soup::{Solid, Soup};
+use crate::soup::{Solid, Soup, run_seed};
+use rt_tests::Draw;
 
 /// A set with instances, with primitives that cast no shadow, and with hits that carry instance ids.
 struct Yard<'t, T> {
@@ -139,7 +139,7 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
 /// Bit-identical results; equal counters where the instances' accelerator counts batches as single rays.
 #[test]
 fn batches_through_instances_equal_single_queries() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("batches: seed {seed}");
     compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
     compare_yards(seed, |soup| WideBvh::build(soup).unwrap(), false);

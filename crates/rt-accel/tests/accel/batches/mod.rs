@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::soup::draw::Draw;
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
 use rt_accel::{Aabb, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray};
 use rt_geometry::{HitStream, RayStream};
+use rt_tests::Draw;
 
 /// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
 macro_rules! trace_batch {

@@ -8,13 +8,13 @@ use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
 
 use super::{Counting, bundles, key, levels, with_odd_ones};
-use crate::soup::draw::Draw;
-use crate::soup::{Solid, Soup};
+use crate::soup::{Solid, Soup, run_seed};
+use rt_tests::Draw;
 
 /// Bit-identical results, and equal counters.
 #[test]
 fn small_sets_equal_brute_force() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("batches: seed {seed}");
     let draw = &mut Draw::new(seed);
     let mut n_hits = 0;

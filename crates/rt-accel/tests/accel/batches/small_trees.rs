@@ -5,8 +5,8 @@ use rt_geometry::{InteractionFlags, Probe, STREAM_CAPACITY, ShapeHit, Triangle};
 use rt_math::Vec3;
 
 use super::{bundles, key, levels, with_odd_ones};
-use crate::soup::draw::Draw;
-use crate::soup::{Solid, Soup};
+use crate::soup::{Solid, Soup, run_seed};
+use rt_tests::Draw;
 
 /// Counts the nodes of rays that the list of triangles leaves open, and of coherent packets.
 #[derive(Default)]
@@ -102,7 +102,7 @@ fn slivers(draw: &mut Draw) -> [Solid; 3] {
 
 #[test]
 fn batches_through_few_triangles_equal_brute_force() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("small trees: seed {seed}");
     let draw = &mut Draw::new(seed);
     let (mut n_hits, mut n_streamed) = (0, 0);

@@ -7,8 +7,8 @@ use rt_accel::{Accelerator, Counters, DVec3, Interval, NoProbe, Ray, SphereKerne
 use rt_math::Vec3;
 
 use super::{Counting, bundles, key, levels};
-use crate::soup::draw::Draw;
-use crate::soup::{Solid, Soup, sheet};
+use crate::soup::{Solid, Soup, run_seed, sheet};
+use rt_tests::Draw;
 
 /// Compares batches of all sizes with single queries.
 fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
@@ -47,7 +47,7 @@ fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize
 
 #[test]
 fn batches_through_small_trees_equal_single_queries() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("batches: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
     let kinds: [Kind; 11] = [
@@ -188,7 +188,7 @@ fn candidates_beyond_the_closest_hit_are_dropped() {
 /// Rays are interleaved in trees of more than 8 MiB.
 #[test]
 fn batches_through_large_trees_equal_single_queries() {
-    let seed = Draw::run_seed();
+    let seed = run_seed();
     println!("batches: seed {seed}");
     let bumps = |x: f64, z: f64| DVec3::new(x, 0.1 * (20.0 * x * z).fract(), z);
     let triangles = || Soup(sheet(280, bumps).collect());

@@ -5,8 +5,8 @@ mod scenes;
 mod validation;
 
 use crate::soup::Solid;
-use crate::soup::draw::Draw;
 use rt_accel::{Aabb, DVec3, Interval, Ray};
+use rt_tests::Draw;
 
 const FORWARD: Interval = Interval::FORWARD;
 

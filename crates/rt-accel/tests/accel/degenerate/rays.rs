@@ -8,9 +8,9 @@ use rt_accel::{
 use rt_math::Vec3;
 
 use super::{FORWARD, down, rays_at, unit_box};
-use crate::soup::draw::Draw;
 use crate::soup::structures::Structures;
 use crate::soup::{Solid, Soup};
+use rt_tests::Draw;
 
 #[test]
 fn rays_in_the_planes_of_a_tree_miss_nothing() {

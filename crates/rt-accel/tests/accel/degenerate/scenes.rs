@@ -6,9 +6,9 @@ use rt_accel::{
 };
 
 use super::{FORWARD, down, exp2, rays_at, unit_box};
-use crate::soup::draw::Draw;
 use crate::soup::structures::{Structures, tests_per_ray};
 use crate::soup::{Solid, Soup, sheet};
+use rt_tests::Draw;
 
 #[test]
 fn nothing_is_never_hit() {

@@ -6,9 +6,9 @@ use rt_accel::{
 };
 
 use super::unit_box;
-use crate::soup::draw::Draw;
 use crate::soup::structures::Structures;
 use crate::soup::{Solid, Soup};
+use rt_tests::Draw;
 
 #[test]
 fn bounds_that_are_no_boxes_are_refused_by_index() {

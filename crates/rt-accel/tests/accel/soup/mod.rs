@@ -3,7 +3,6 @@
 //! The equality of accelerators must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
 //! matter here.
 
-pub(crate) mod draw;
 pub(crate) mod rays;
 pub(crate) mod structures;
 
@@ -11,7 +10,12 @@ use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Prim
 use rt_geometry::WatertightRay;
 use rt_math::{SlabRay, Vec3};
 
-use draw::Draw;
+use rt_tests::Draw;
+
+/// The seed of this run: the one given in the environment variable `RT_SEED`, or a fixed one.
+pub(crate) fn run_seed() -> u64 {
+    std::env::var("RT_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(20_240_229)
+}
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Solid {

@@ -2,8 +2,8 @@
 
 use rt_accel::{Aabb, DVec3, Interval, NoProbe, Ray, SphereKernel, brute_force};
 
-use super::draw::Draw;
 use super::{Solid, Soup};
+use rt_tests::{Draw, span_at};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Query {
@@ -29,10 +29,11 @@ pub(crate) fn adversarial(soup: &Soup, world: &Aabb, draw: &mut Draw) -> Query {
     }
     if draw.one_in(3) {
         let axis = draw.below(3);
-        direction[axis] = neighbour(direction[axis], draw);
+        direction[axis] = draw.neighbour(direction[axis]);
     }
     let ray = Ray::new(origin, direction);
-    Query { ray, span: span(soup, &ray, draw) }
+    let hit = || brute_force::closest(soup, &ray, Interval::FORWARD, &mut NoProbe).map_or(1.0, |hit| hit.t);
+    Query { ray, span: span_at(hit, draw) }
 }
 
 fn origin(soup: &Soup, world: &Aabb, draw: &mut Draw) -> DVec3 {
@@ -50,7 +51,7 @@ fn origin(soup: &Soup, world: &Aabb, draw: &mut Draw) -> DVec3 {
         let axis = draw.below(3);
         origin[axis] = special_point(soup, draw)[axis];
         if draw.one_in(2) {
-            origin[axis] = neighbour(origin[axis], draw);
+            origin[axis] = draw.neighbour(origin[axis]);
         }
     }
     origin
@@ -77,31 +78,5 @@ fn special_point(soup: &Soup, draw: &mut Draw) -> DVec3 {
             a.lerp(b, draw.pick(&[0.0, 0.5, 0.3]))
         }
         _ => draw.pick(&bounds.corners()),
-    }
-}
-
-/// Mostly everything in front; sometimes a piece, the hit itself, or a span that ends at the hit or next to it.
-fn span(soup: &Soup, ray: &Ray, draw: &mut Draw) -> Interval {
-    let hit = |span| brute_force::closest(soup, ray, span, &mut NoProbe).map_or(1.0, |hit| hit.t);
-    let forward = Interval::FORWARD;
-    match draw.below(12) {
-        0 => Interval::new(draw.between(0.0, 1.0), draw.between(0.5, 2.0)),
-        1 => Interval::new(hit(forward), hit(forward)),
-        2 => Interval::new(0.0, hit(forward)),
-        3 => Interval::new(0.0, hit(forward).next_down()),
-        4 => Interval::new(hit(forward).next_up(), f64::INFINITY),
-        5 => Interval::new(-2.0, 2.0),
-        6 => Interval::new(0.0, 0.0),
-        7 => Interval::SEGMENT,
-        _ => forward,
-    }
-}
-
-fn neighbour(x: f64, draw: &mut Draw) -> f64 {
-    match draw.below(4) {
-        0 => x.next_up(),
-        1 => x.next_down(),
-        2 => x.next_up().next_up(),
-        _ => x,
     }
 }
