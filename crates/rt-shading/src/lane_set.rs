@@ -215,6 +215,13 @@ impl Element for f64 {
     }
 }
 
+/// Sets the colour of one lane.
+#[inline(always)]
+pub(crate) fn set_color<E: Element>([r, g, b]: &mut [[E; LANES]; 3], lane: usize, color: Rgb) {
+    let lane = lane % LANES;
+    (r[lane], g[lane], b[lane]) = (E::rounded(color.r), E::rounded(color.g), E::rounded(color.b));
+}
+
 /// One hit at a time. `R` computes light, and `E` holds it in memory: no conversion between them rounds.
 #[derive(Clone, Copy)]
 pub(crate) struct Single<R, E>(PhantomData<(R, E)>);

@@ -3,13 +3,12 @@
 //! Code in lanes is generic over [`Real`]. It must be `#[inline(always)]` up to the `vectorize` around a stage: only inlined code is
 //! compiled for the instruction set. Closures of `array::map` and `array::from_fn` are not inlined, so that loops are written out.
 
-use crate::lane_set::Element;
 use core::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 pub(crate) use fearless_simd::Simd;
 use fearless_simd::{
     ExtractToken, Select, SimdBase, SimdFloat, SimdFrom, SimdMask, f32x8, f64x8, mask32x8, mask64x8, u64x8,
 };
-use rt_math::{DVec3, Float64, Mask, Real, Rgb, Vector3};
+use rt_math::{DVec3, Float64, Mask, Real, Vector3};
 
 /// Number of lanes.
 pub(crate) const LANES: usize = 8;
@@ -25,13 +24,6 @@ pub(crate) const fn first_lanes(count: usize) -> u8 {
 
 /// One number per lane, in memory.
 pub(crate) type LaneArray = [f64; LANES];
-
-/// Sets the colour of one lane.
-#[inline(always)]
-pub(crate) fn set_color<E: Element>([r, g, b]: &mut [[E; LANES]; 3], lane: usize, color: Rgb) {
-    let lane = lane % LANES;
-    (r[lane], g[lane], b[lane]) = (E::rounded(color.r), E::rounded(color.g), E::rounded(color.b));
-}
 
 /// Instruction set for code in lanes. The results are the same at all levels.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,8 @@ use super::{
     phong_lobe::{phong_direction_lanes, phong_lobe_lanes, reflect_dir_lanes},
 };
 use crate::{
-    lane_set::LaneSet,
-    lanes::{LANES, LaneArray, set_color},
+    lane_set::{LaneSet, set_color},
+    lanes::{LANES, LaneArray},
     wavefront::is_in_range,
 };
 use core::f64::consts::FRAC_1_PI;

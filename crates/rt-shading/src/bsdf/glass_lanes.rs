@@ -5,8 +5,8 @@ use super::{
     ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS},
 };
 use crate::{
-    lane_set::LaneSet,
-    lanes::{ALL_LANES, LANES, LaneArray, set_color},
+    lane_set::{LaneSet, set_color},
+    lanes::{ALL_LANES, LANES, LaneArray},
     optics,
     wavefront::{IOR_RANGE, is_in_range},
 };

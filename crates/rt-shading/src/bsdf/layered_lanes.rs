@@ -9,8 +9,8 @@ use super::{
     sheen::{SheenAlbedo, sheen_albedo_lanes, white_sheen},
 };
 use crate::{
-    lane_set::LaneSet,
-    lanes::{ALL_LANES, LANES, LaneArray, set_color},
+    lane_set::{LaneSet, set_color},
+    lanes::{ALL_LANES, LANES, LaneArray},
     optics::reflect_lanes,
     wavefront::is_in_range,
 };

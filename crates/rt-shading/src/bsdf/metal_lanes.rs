@@ -5,8 +5,8 @@ use super::{
     ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS, normalize_or_up},
 };
 use crate::{
-    lane_set::LaneSet,
-    lanes::{ALL_LANES, LANES, LaneArray, set_color},
+    lane_set::{LaneSet, set_color},
+    lanes::{ALL_LANES, LANES, LaneArray},
     optics::reflect_lanes,
     wavefront::is_in_range,
 };

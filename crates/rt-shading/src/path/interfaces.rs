@@ -9,8 +9,8 @@ use crate::{
     RadianceSample, SurfaceHit,
     hit_context::SurfaceTransmission,
     interior_list::MediumEntry,
-    lane_set::{Element, LaneSet},
-    lanes::{LaneArray, each_lane, set_color},
+    lane_set::{Element, LaneSet, set_color},
+    lanes::{LaneArray, each_lane},
     wavefront::hit_points::HitPoints,
 };
 

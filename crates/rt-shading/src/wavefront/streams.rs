@@ -2,8 +2,8 @@
 
 use crate::{
     RadianceSample,
-    lane_set::{Element, LaneSet},
-    lanes::{LANES, each_lane, set_color},
+    lane_set::{Element, LaneSet, set_color},
+    lanes::{LANES, each_lane},
 };
 use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{Interval, Ray, Rgb, Vector3};

@@ -10,8 +10,8 @@ use crate::{
     RadianceSample, SurfaceHit,
     hit_context::SurfaceTransmission,
     interior_list::{MediumEntry, MediumInterface},
-    lane_set::{Element, LaneSet},
-    lanes::{each_lane, set_color},
+    lane_set::{Element, LaneSet, set_color},
+    lanes::each_lane,
     medium::absorb,
 };
 use rt_math::Vector3;
