@@ -32,8 +32,6 @@ fn interrupted_place() -> (Workplace, Vec<u8>) {
 #[test]
 #[cfg(unix)]
 fn the_first_signal_saves_and_resume_is_bit_identical() {
-    let whole = Workplace::with_scene();
-    whole.succeed(LONG);
     for options in ["", "--passes 7", "--aov samples=samples.pfm --aov stderr=variance.exr --passes 3"] {
         let place = Workplace::with_scene();
         let run = interrupted(&place, options);
