@@ -182,7 +182,7 @@ fn the_time_limit_reports_skipped_sample_counts() {
 fn an_interrupt_keeps_the_complete_sample_counts() {
     let place = Workplace::with("half.ron", HALF);
     // The last sample count takes hours.
-    let child = place.spawn("converge half.ron --spp 4,16,1073741824 --seeds 2 -o out");
+    let child = place.spawn("converge half.ron --spp 4,16,1073741824 --seeds 2 --threads 1 -o out");
     wait_until("two sample counts", || {
         std::fs::read_to_string(place.path("out/converge.csv")).is_ok_and(|csv| csv.lines().count() == 3)
     });
@@ -194,7 +194,7 @@ fn an_interrupt_keeps_the_complete_sample_counts() {
     assert_eq!(place.json("out/converge.json")["left_out"], serde_json::json!([1_073_741_824]));
     // Within the first sample count, and within the reference.
     for options in ["", "--reference-kind split"] {
-        let child = place.spawn(&format!("converge half.ron --spp 1073741824 --seeds 2 -o none {options}"));
+        let child = place.spawn(&format!("converge half.ron --spp 1073741824 --seeds 2 --threads 1 -o none {options}"));
         wait_until("the directory", || place.path("none").exists());
         std::thread::sleep(std::time::Duration::from_millis(300));
         signal(&child, "INT");

@@ -11,7 +11,7 @@ use crate::program::{Run, Workplace, signal, wait_until};
 const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 24 --threads 2 -o scene.exr";
 
 /// Endless render of slow tiles.
-const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 -o scene.exr";
+const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 --threads 1 -o scene.exr";
 
 /// Interrupts a long render once it has written a checkpoint.
 fn interrupted(place: &Workplace, options: &str) -> Run {

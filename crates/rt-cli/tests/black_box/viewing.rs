@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::program::Workplace;
+use crate::program::{Workplace, signal};
 use crate::view_server::{Answer, ViewServer};
 
 /// Two balls side by side, in front of nothing.
@@ -303,12 +303,17 @@ fn a_closed_page_stops_the_work_which_goes_on_later() {
     let (measured, _) = view.watch(|state| state["spp"].as_u64() >= Some(32));
     let rate = measured["spp"].as_f64().expect("a number") / measured["seconds"].as_f64().expect("a number");
 
-    // The page counts as closed after four seconds. Work that ends earlier, at a rate that was measured too low, is doubled.
-    let mut seconds = 6.0;
+    // The page counts as closed after four seconds, in most of which the program is stopped. Work that ends earlier, at a rate
+    // that was measured too low, is doubled.
+    let mut seconds = 2.0;
     let spp = loop {
         let spp = (seconds * rate) as u64 + 32;
         view.post("settings", &json!({ "spp": spp }).to_string());
-        thread::sleep(Duration::from_millis(4500));
+        thread::sleep(Duration::from_millis(200));
+        signal(&view.program, "STOP");
+        thread::sleep(Duration::from_millis(4200));
+        signal(&view.program, "CONT");
+        thread::sleep(Duration::from_millis(300));
         let paused = view.processor_seconds();
         thread::sleep(Duration::from_millis(500));
         let work = view.processor_seconds() - paused;
@@ -330,8 +335,7 @@ fn a_closed_page_stops_the_work_which_goes_on_later() {
 #[cfg(unix)]
 fn check_interrupt(mut view: ViewServer) {
     view.watch(|state| state["spp"].as_u64() >= Some(1));
-    let id = view.program.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill").success());
+    signal(&view.program, "INT");
     let deadline = Instant::now() + Duration::from_secs(20);
     let status = loop {
         if let Some(status) = view.program.try_wait().expect("a state") {
