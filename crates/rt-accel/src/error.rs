@@ -35,10 +35,13 @@ impl fmt::Display for BuildError {
                     "a corner is NaN"
                 } else if min.cmpgt(*max).any() {
                     "min exceeds max"
+                } else if min.is_finite() && max.is_finite() {
+                    "their size overflows"
                 } else {
                     "they are infinite; unbounded primitives return `None`"
                 };
-                write!(f, "primitive {index} has bounds from {min} to {max}: {reason}")
+                let [min, max] = [min.to_array(), max.to_array()];
+                write!(f, "primitive {index} has bounds from {min:?} to {max:?}: {reason}")
             }
             Self::TooMany { count, limit } => {
                 write!(

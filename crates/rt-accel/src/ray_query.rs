@@ -185,7 +185,7 @@ pub(crate) fn sort_hits(hits: &mut [Hit]) {
 }
 
 /// True if both records are of one hit.
-fn is_same(a: &Hit, b: &Hit) -> bool {
+pub(crate) fn is_same(a: &Hit, b: &Hit) -> bool {
     (a.t, a.instance, a.primitive) == (b.t, b.instance, b.primitive)
 }
 

@@ -52,7 +52,9 @@ impl Region for SphereRegion {
         )
     }
 
+    /// True for every box that touches the sphere, and for boxes within some rounding errors of it.
     fn overlaps(&self, aabb: &Aabb) -> bool {
-        self.radius >= 0.0 && aabb.distance_squared(self.centre) <= self.radius * self.radius
+        let square = self.radius * self.radius * (1.0 + 8.0 * f64::EPSILON) + f64::MIN_POSITIVE;
+        self.radius >= 0.0 && aabb.distance_squared(self.centre) <= square
     }
 }

@@ -111,7 +111,7 @@ pub(crate) struct Nearest<'p, P> {
 
 impl<'p, P: ClosestPoint> Nearest<'p, P> {
     pub(crate) fn new(primitives: &'p P, point: DVec3, radius: f64) -> Self {
-        let limit = if radius >= 0.0 { largest_square(radius) } else { f64::NAN };
+        let limit = if radius >= 0.0 && point.is_finite() { largest_square(radius) } else { f64::NAN };
         Self { primitives, point, limit, found: None }
     }
 
@@ -139,6 +139,9 @@ impl<P: ClosestPoint> RegionQuery for Nearest<'_, P> {
 
     fn test_primitive(&mut self, index: u32, _owns: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
         let Some(point) = self.primitives.nearest_point(index, self.point) else { return ControlFlow::Continue(()) };
+        if point.is_nan() {
+            return ControlFlow::Continue(());
+        }
         // No point counts as nearer than the padded bounds, so that no box around them is culled too early.
         let own = padded_bounds(self.primitives, index).map_or(0.0, |own| own.distance_squared(self.point));
         let distance = point.distance_squared(self.point).max(own);

@@ -20,7 +20,7 @@ pub fn padded_bounds<P: Primitives>(primitives: &P, index: u32) -> Option<Aabb> 
 /// bits of brute force, ties included.
 ///
 /// `t` is not lowered to the exit from that box. So `span.max` is inclusive, and `span.min` up to rounding of `t`. From far away, a `t`
-/// behind the rounded exit is no hit of a span that starts there.
+/// behind the rounded exit is no hit of a span that starts there. A hit whose `t` is NaN is a miss.
 ///
 /// The kernel runs first: most tests are misses, and the bounds are tested for hits only.
 #[inline(always)]
@@ -46,6 +46,9 @@ pub fn intersect_primitive_uncounted<P: Primitives, S: Probe>(
 ) -> Option<Hit> {
     let hit = primitives.intersect_with_stats(index, ray, span, probe)?;
     let entry = padded_bounds_entry(primitives, index, ray, span)?;
+    if hit.t.is_nan() {
+        return None;
+    }
     probe.hit();
     Some(Hit { t: max_t(hit.t, entry), ..hit })
 }
@@ -116,11 +119,11 @@ pub fn intersect_primitive_batch<P: Primitives, S: Probe>(
     for ((ray, span), answer) in rays.iter().zip(hits) {
         let Some(hit) = answer else { continue };
         match padded_bounds_entry(primitives, index, ray, *span) {
-            Some(entry) => {
+            Some(entry) if !hit.t.is_nan() => {
                 probe.hit();
                 hit.t = max_t(hit.t, entry);
             }
-            None => *answer = None,
+            _ => *answer = None,
         }
     }
 }
@@ -194,6 +197,34 @@ mod tests {
         let t = ask(&Fixed(0.5, BOX), DVec3::ONE, Interval::FORWARD).expect("a hit");
         assert!((t - 1.0).abs() < 1e-11 && t > 0.5, "{t}");
         assert_eq!(ask(&Fixed(0.5, BOX), DVec3::ONE, Interval::new(0.0, 0.9)), None, "raised out of the span");
+    }
+
+    /// Kernel of a user that divides by zero.
+    struct NotANumber(Option<Aabb>);
+
+    impl Primitives for NotANumber {
+        fn len(&self) -> usize {
+            1
+        }
+        fn bounds(&self, _: u32) -> Option<Aabb> {
+            self.0
+        }
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            Some(Hit { t: f64::NAN, instance: 0, primitive: 0, uv: [0.0; 2] })
+        }
+    }
+
+    #[test]
+    fn a_hit_without_a_number_is_a_miss() {
+        for bounds in [BOX, None] {
+            let (kernel, ray) = (NotANumber(bounds), Ray::new(DVec3::ZERO, DVec3::ONE));
+            let (slab_ray, span) = (SlabRay::new(&ray), Interval::FORWARD);
+            assert_eq!(intersect_primitive(&kernel, 0, &slab_ray, span, &mut NoProbe), None);
+            assert!(!occludes_primitive(&kernel, 0, &slab_ray, span, &mut NoProbe));
+            let mut hits = [None];
+            intersect_primitive_batch(&kernel, 0, &[(ray, span)], &mut hits, &mut NoProbe);
+            assert_eq!(hits, [None]);
+        }
     }
 
     #[test]

@@ -42,7 +42,9 @@ fn foot_in_face([a, b, c]: [DVec3; 3], point: DVec3) -> Option<DVec3> {
         return None;
     }
     let normal = unit_normal([a, b, c]);
-    let foot = point - normal * (point - a).dot(normal);
+    let foot_of = |point: DVec3| point - normal * (point - a).dot(normal);
+    // The foot of a far point is off the plane by the rounding of its distance; the foot of that one is not.
+    let foot = foot_of(foot_of(point));
     let is_left = |from: DVec3, to: DVec3| (to - from).cross(foot - from).dot(normal) >= 0.0;
     (is_left(a, b) && is_left(b, c) && is_left(c, a)).then_some(foot)
 }
@@ -98,6 +100,20 @@ mod tests {
         ];
         for (point, nearest) in cases {
             assert_eq!(nearest_on_triangle(corner, point.into()), nearest.into());
+        }
+    }
+
+    #[test]
+    fn the_nearest_point_to_a_far_point_is_on_the_triangle() {
+        let vertices = [DVec3::new(0.1, 0.2, 0.3), DVec3::new(1.3, -0.4, 0.7), DVec3::new(0.2, 1.1, -0.6)];
+        let middle = (vertices[0] + vertices[1] + vertices[2]) / 3.0;
+        let normal = unit_normal(vertices);
+        for distance in [1.0, 1e6, 1e9, 1e12, 1e15, 1e18] {
+            let nearest = nearest_on_triangle(vertices, middle + normal * distance);
+            let off_plane = (nearest - vertices[0]).dot(normal).abs();
+            assert!(off_plane < 1e-15, "{distance:e}: {nearest} is {off_plane:e} off the plane");
+            let bounds = rt_math::Aabb::from_points(vertices).padded();
+            assert!(bounds.contains(nearest), "{distance:e}: {nearest}");
         }
     }
 

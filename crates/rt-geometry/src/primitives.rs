@@ -67,14 +67,15 @@ pub trait Primitives: Sync {
     fn bounds(&self, index: u32) -> Option<Aabb>;
 
     /// Exact kernel in `f64`: the first hit of primitive `index` within the closed `span`, `None` on a miss. Callers
-    /// use [`intersect_primitive`](crate::intersect_primitive), which adds the padded-bounds rule.
+    /// use [`intersect_primitive`](crate::intersect_primitive), which adds the padded-bounds rule. A hit whose `t` is NaN counts as
+    /// a miss.
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
 
     /// True if primitive `index` occludes the ray within `span`. Override it if there is a faster test, or for
     /// primitives that are visible without casting shadows.
     #[inline(always)]
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool {
-        self.intersect(index, ray, span).is_some()
+        self.intersect(index, ray, span).is_some_and(|hit| !hit.t.is_nan())
     }
 
     /// [`intersect`](Self::intersect) with statistics, for primitives that are accelerators.

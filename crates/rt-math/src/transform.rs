@@ -224,10 +224,15 @@ impl Transform {
 
     /// Uniform scale factor, if lengths scale equally in all directions (to 10⁻¹²).
     pub fn uniform_scale(&self) -> Option<f64> {
-        let gram = self.linear.transpose() * self.linear;
+        // Divided by a power of two, which is exact: squares neither overflow nor underflow.
+        let numbers = self.linear.to_cols_array();
+        let largest = numbers.into_iter().fold(f64::MIN_POSITIVE, |largest, x| largest.max(x.abs()));
+        let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
+        let linear = DMat3::from_cols_array(&numbers.map(|x| x / unit));
+        let gram = linear.transpose() * linear;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
         let deviation = gram - DMat3::from_diagonal(DVec3::splat(square));
-        (frobenius(&deviation) <= 1e-12 * square).then(|| square.sqrt())
+        (frobenius(&deviation) <= 1e-12 * square).then(|| square.sqrt() * unit)
     }
 
     /// Condition number of the linear part in the Frobenius norm, at least 3.
@@ -446,5 +451,14 @@ mod tests {
         assert!((doubled.uniform_scale().expect("uniform") - 2.0).abs() < 1e-12);
         let stretched = turn.compose(&Transform::scale(DVec3::new(1.0, 1.0, 1.001)).expect("regular"));
         assert_eq!(stretched.uniform_scale(), None);
+    }
+
+    #[test]
+    fn uniform_scales_of_any_size_are_recognised() {
+        let scale = |x, y, z| Transform::scale(DVec3::new(x, y, z)).expect("regular").uniform_scale();
+        assert_eq!(scale(1e-90, 1e-90, 2e-90), None, "the squares underflow");
+        for size in [1e-90, 1e90] {
+            assert!((scale(size, size, -size).expect("uniform") / size - 1.0).abs() < 1e-12);
+        }
     }
 }

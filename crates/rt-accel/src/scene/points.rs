@@ -192,9 +192,13 @@ fn nearest_of(geometry: &Blas<'_>, instance: &Instance, point: DVec3, radius: f6
         Geometry::Mesh(mesh) => nearest_transformed(geometry, mesh, transform, point, radius),
         Geometry::Spheres(_) => {
             let scale = transform.uniform_scale()?;
-            let hit = geometry.nearest_point(transform.inverse_point(point), radius / scale)?;
+            // Wider than the rounding of both transforms; distances in world space decide.
+            let largest = point.abs().max_element() + transform.point(DVec3::ZERO).abs().max_element() + radius;
+            let radius_there = (radius + largest * 1e-12) / scale;
+            let hit = geometry.nearest_point(transform.inverse_point(point), radius_there)?;
             let nearest = transform.point(hit.point);
-            Some(PointHit { point: nearest, distance: nearest.distance(point), ..hit })
+            let distance = nearest.distance(point);
+            (distance <= radius).then_some(PointHit { point: nearest, distance, ..hit })
         }
     }
 }

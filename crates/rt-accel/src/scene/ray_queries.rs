@@ -10,7 +10,7 @@ use super::geometry::Blas;
 use super::instances::{Instance, Instances};
 use super::refit_tree::RefitTree;
 use crate::Accelerator;
-use crate::ray_query::sort_hits;
+use crate::ray_query::{is_same, sort_hits};
 use crate::wide::BuildParams;
 
 /// Meshes and spheres that rays are traced against: two levels of [`WideBvh`](crate::WideBvh).
@@ -83,6 +83,7 @@ impl<'a> Scene<'a> {
         };
         self.tree.bvh.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
         sort_hits(hits);
+        hits.dedup_by(|a, b| is_same(a, b));
     }
 
     /// The geometry, if instance 0 is the only one and not transformed: rays skip the top level.

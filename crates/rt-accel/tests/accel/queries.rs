@@ -97,6 +97,42 @@ fn something_that_fills_space_does_not_report_forever() {
     }
 }
 
+/// Regression: such hits passed every comparison with a span, so that they were reported without end.
+#[test]
+fn hits_without_a_number_are_misses() {
+    /// Planes through the origin, which divide zero by zero, before a box that is hit.
+    struct Planes;
+
+    impl Primitives for Planes {
+        fn len(&self) -> usize {
+            3
+        }
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            (index > 0).then_some(Aabb::new(DVec3::new(1.0, -1.0, -1.0), DVec3::new(2.0, 1.0, 1.0)))
+        }
+        fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+            let t = if index == 2 { 1.5 } else { -ray.origin.z / ray.direction.z };
+            let is_outside = t < span.min || t > span.max;
+            (!is_outside).then_some(Hit { t, instance: 0, primitive: index, uv: [0.0; 2] })
+        }
+    }
+
+    let ray = Ray::new(DVec3::ZERO, DVec3::X);
+    let all = Structures::build(&Planes);
+    assert_eq!(all.closest(&Planes, &ray, Interval::FORWARD).map(|hit| hit.t), Some(1.5));
+    for structure in &all.0 {
+        let name = structure.kind().name();
+        let mut hits = Vec::new();
+        structure.all_hits(&Planes, &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+        assert_eq!(hits.iter().map(key).collect::<Vec<_>>(), [(1.5f64.to_bits(), 0, 2)], "{name}");
+        let mut first = [None; 4];
+        assert_eq!(structure.first_hits(&Planes, &ray, Interval::FORWARD, &mut first, &mut NoProbe), 1, "{name}");
+        let mut closest = [None; 9];
+        structure.closest_batch(&Planes, &[(ray, Interval::FORWARD); 9], &mut closest, &mut NoProbe);
+        assert!(closest.iter().all(|hit| hit.is_some_and(|hit| hit.t == 1.5)), "{name}");
+    }
+}
+
 /// A callback that knows the geometry finds what the kernels find.
 #[test]
 fn candidates_for_a_callback_contain_the_closest_hit() {
@@ -268,6 +304,64 @@ fn nearest_points_are_those_of_exhaustive_search() {
         }
         assert!(n_found > 1000, "{n_found}");
     }
+}
+
+/// Regression: a NaN counted as the distance of the bounds, which is 0 within them.
+#[test]
+fn nearest_points_without_a_number_are_passed_over() {
+    struct Centres([DVec3; 2]);
+
+    impl Primitives for Centres {
+        fn len(&self) -> usize {
+            2
+        }
+        fn bounds(&self, index: u32) -> Option<Aabb> {
+            Some(Aabb::new(self.0[index as usize] - 1.0, self.0[index as usize] + 1.0))
+        }
+        fn intersect(&self, _: u32, _: &Ray, _: Interval) -> Option<Hit> {
+            None
+        }
+    }
+
+    impl ClosestPoint for Centres {
+        fn nearest_point(&self, index: u32, point: DVec3) -> Option<DVec3> {
+            let centre = self.0[index as usize];
+            Some(centre + (point - centre) / (point - centre).length())
+        }
+    }
+
+    let spheres = Centres([DVec3::ZERO, DVec3::X * 5.0]);
+    for structure in &Structures::build(&spheres).0 {
+        let name = structure.kind().name();
+        let found = structure.nearest_point(&spheres, DVec3::ZERO, f64::INFINITY);
+        assert_eq!(found.map(|hit| (hit.primitive, hit.distance)), Some((1, 4.0)), "{name}");
+        for point in [DVec3::NAN, DVec3::X * f64::INFINITY] {
+            assert_eq!(structure.nearest_point(&spheres, point, f64::INFINITY), None, "{name}");
+        }
+    }
+}
+
+/// Regression: the rounded square of the radius was less than the squared distance of the box.
+#[test]
+fn a_box_that_touches_a_sphere_overlaps_it() {
+    let mut draw = Draw::new(15);
+    for _ in 0..20_000 {
+        // Offset and radius are (2, 3, 6) and 7 times a number of few digits, so that the box touches the sphere exactly.
+        let size = (draw.unit() * 1024.0).floor() / 64.0 + 0.25;
+        let sign = DVec3::from_array([(); 3].map(|()| if draw.unit() < 0.5 { -1.0 } else { 1.0 }));
+        let near = sign * DVec3::new(2.0, 3.0, 6.0) * size;
+        let touching = Aabb::new(near.min(near + sign), near.max(near + sign));
+        assert!(SphereRegion { centre: DVec3::ZERO, radius: 7.0 * size }.overlaps(&touching), "{size}");
+        // Rounded radius of a random corner.
+        let corner = draw.point();
+        let radius = corner.length().next_up().next_up();
+        let around = Aabb::new(corner.min(corner * 2.0), corner.max(corner * 2.0));
+        assert!(SphereRegion { centre: DVec3::ZERO, radius }.overlaps(&around), "{corner}");
+    }
+    // Found by an exact comparison.
+    let centre = DVec3::new(-0.8390472862190976, 0.37690630120797963, 0.035983030180049);
+    let min = DVec3::new(-0.1291094749954389, 0.48048938808394204, 0.1752992166723467);
+    assert!(SphereRegion { centre, radius: 0.7308557665576356 }.overlaps(&Aabb::new(min, min + 1.0)));
 }
 
 /// Regression: the square of the distance, rounded, was less than the squared distance.

@@ -276,6 +276,40 @@ fn spheres_are_placed_by_similarities_only() {
     }
 }
 
+/// Regression: both hits were moved to the entry into the bounds, and reported as two.
+#[test]
+fn hits_of_a_placed_sphere_that_rounding_makes_one_are_reported_once() {
+    let centre = DVec3::new(-0.8680696281147711, -0.4206944169432767, -0.178013034380613);
+    let origin = DVec3::new(-8393519.713830033, -2660634.9067347622, 9203582.440621035);
+    let tiny = Sphere::new(centre, 1.1463327598662916e-9).expect("a sphere");
+    let mut builder = SceneBuilder::new(BuildParams::FAST);
+    let id = builder.add(Spheres::new(vec![tiny])).expect("a geometry");
+    builder.place_at(id, &Transform::translate(DVec3::X)).expect("an instance");
+    let scene = builder.build().expect("a scene");
+    let mut hits = Vec::new();
+    scene.all_hits(&Ray::new(origin, centre + DVec3::X - origin), Interval::FORWARD, &mut hits);
+    assert_eq!(hits.iter().map(|hit| hit.t).collect::<Vec<_>>(), [1.0]);
+}
+
+/// Regression: the radius was divided by the scale, and distances in world space were not compared with it.
+#[test]
+fn placed_spheres_are_found_within_the_radius_inclusive() {
+    let number = |words: &[u64]| 2.0 * unit(hash(words)) - 1.0;
+    let vector = |seed: u64, i: u64| DVec3::new(number(&[seed, i, 0]), number(&[seed, i, 1]), number(&[seed, i, 2]));
+    for i in 0..3000 {
+        let mut builder = SceneBuilder::new(BuildParams::FAST);
+        let sphere = Sphere::new(vector(21, i), 0.3).expect("a sphere");
+        let id = builder.add(Spheres::new(vec![sphere])).expect("a geometry");
+        let scale = Transform::scale(DVec3::splat(3.0 + number(&[22, i]))).expect("a scale");
+        builder.place_at(id, &Transform::translate(100.0 * vector(23, i)).compose(&scale)).expect("an instance");
+        let scene = builder.build().expect("a scene");
+        let point = 100.0 * vector(24, i);
+        let distance = scene.nearest_point(point, f64::INFINITY).expect("a point").distance;
+        assert_eq!(scene.nearest_point(point, distance).map(|hit| hit.distance), Some(distance), "{i}");
+        assert_eq!(scene.nearest_point(point, distance.next_down()), None, "{i}");
+    }
+}
+
 /// A tree over the instances finds what a scene of each of them finds.
 #[test]
 fn points_are_compared_with_each_of_many_instances() {
