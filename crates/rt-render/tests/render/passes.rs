@@ -224,7 +224,7 @@ fn only_pixels_near_an_edge_stay_active() {
 
 #[test]
 fn time_ends_a_render_between_passes() {
-    // Beside other work, one pass may take the first of these times.
+    // On a busy machine, one pass may take the first of these times.
     let limits = [300, 3000, 30_000].map(Duration::from_millis).into_iter();
     let render = |limit| {
         let rule = StopRule { time: Some(limit), ..StopRule::default() };
