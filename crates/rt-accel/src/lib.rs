@@ -89,10 +89,11 @@ pub use ray_query::RayQuery;
 pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
-    BatchKernel, ClosestPoint, Counters, Hit, MAX_COORDINATE, NoProbe, PrimitiveGeometry, Primitives, Probe, RayCounts,
-    RayKind, ShapeError, Sphere, SphereKernel, Spheres,
+    BatchKernel, ClosestPoint, Counters, Hit, HitStream, MAX_COORDINATE, NoProbe, PrimitiveGeometry, Primitives, Probe,
+    RayCounts, RayKind, RayStream, ShapeError, ShapeHit, Sphere, SphereKernel, Spheres, WatertightRay,
+    intersect_primitive, occludes_primitive, padded_bounds,
 };
-pub use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay, Transform, TransformError};
+pub use rt_math::{Aabb, DMat3, DQuat, DVec3, Interval, Ray, SlabRay, Transform, TransformError, Vec3};
 pub use scene::{
     Geometry, GeometryId, HitLists, MeshError, Scene, SceneBuilder, SceneError, TriangleMesh, UserGeometry, Vertices,
 };
