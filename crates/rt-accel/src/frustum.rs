@@ -3,7 +3,10 @@
 use core::fmt;
 
 use glam::DVec3;
-use rt_math::{Aabb, float::gamma};
+use rt_math::{
+    Aabb,
+    float::{gamma, power_of_two_scale},
+};
 
 use crate::Region;
 
@@ -59,19 +62,22 @@ impl Frustum {
         if let Some(corner) = corners.iter().position(|corner| !corner.is_finite()) {
             return Err(FrustumError::Corner { corner, position: corners[corner] });
         }
-        let mirrored = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[4] - corners[0]) < 0.0;
+        // Of a size near 1, and near the origin: products neither overflow nor lose digits.
+        let differences = corners.map(|corner| corner - corners[0]);
+        let size = differences.iter().fold(DVec3::ZERO, |size, difference| size.max(difference.abs()));
+        let near = differences.map(|difference| difference * power_of_two_scale(size));
+        let mirrored = near[1].cross(near[2]).dot(near[4]) < 0.0;
         let mut planes = [(DVec3::ZERO, 0.0); 6];
         for (face, [a, b, c]) in FACES.into_iter().enumerate() {
-            let normal = (corners[b] - corners[a]).cross(corners[c] - corners[a]);
+            let normal = (near[b] - near[a]).cross(near[c] - near[a]);
             let normal = if mirrored { -normal } else { normal }.normalize_or_zero();
-            // Move the plane outward until all corners are inside, against rounding and slightly bent faces.
-            let heights = corners.map(|corner| normal.dot(corner));
-            let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
-            let height = heights[a];
-            let extent = corners.iter().fold(0.0, |most: f64, corner| most.max((*corner - corners[a]).length()));
-            if !(height - lowest <= extent * 1e-6) || normal == DVec3::ZERO {
+            let depth = near.iter().fold(0.0, |most: f64, corner| most.max(normal.dot(near[a] - *corner)));
+            let extent = near.iter().fold(0.0, |most: f64, corner| most.max((*corner - near[a]).length()));
+            if !(depth <= extent * 1e-6) || normal == DVec3::ZERO {
                 return Err(FrustumError::NotConvex { face });
             }
+            // Move the plane outward until all corners are inside, against rounding and slightly bent faces.
+            let lowest = corners.iter().fold(f64::INFINITY, |lowest, corner| lowest.min(normal.dot(*corner)));
             planes[face] = (normal, -lowest);
         }
         Ok(Self { planes, bounds: Aabb::from_points(corners) })
@@ -135,6 +141,21 @@ mod tests {
             let inside = DVec3::new((2.0 * draw(1) - 1.0) * depth, (2.0 * draw(2) - 1.0) * depth, -depth);
             let around = Aabb::new(inside - DVec3::new(draw(3), draw(4), draw(5)), inside + draw(6) * draw(7));
             assert!(view.overlaps(&around), "{inside} {around:?}");
+        }
+    }
+
+    #[test]
+    fn frusta_of_any_size_anywhere_are_accepted() {
+        for (size, offset) in [(1e100, 0.0), (1e-100, 0.0), (1e-200, 0.0), (1.0, 1e11), (3.0, -1e13)] {
+            let corners: [DVec3; 8] = core::array::from_fn(|i| {
+                let depth = if i & 4 == 0 { 1.0 } else { 10.0 };
+                let side = |bit: usize| if i & bit == 0 { -depth } else { depth };
+                DVec3::new(side(1), side(2), -depth) * size + offset
+            });
+            let view = Frustum::from_corners(corners).unwrap_or_else(|error| panic!("{size:e} at {offset:e}: {error}"));
+            let cube = |centre: DVec3, half: f64| cube(centre * size + offset, half * size);
+            assert!(view.overlaps(&cube(DVec3::new(5.0, 0.0, -5.0), 0.1)), "{size:e} at {offset:e}");
+            assert!(!view.overlaps(&cube(DVec3::new(7.0, 0.0, -5.0), 0.1)), "{size:e} at {offset:e}");
         }
     }
 

@@ -2,7 +2,11 @@
 
 use core::fmt;
 
-use crate::{Aabb, Ray, float::gamma, transcendental::sincos};
+use crate::{
+    Aabb, Ray,
+    float::{gamma, power_of_two_scale},
+    transcendental::sincos,
+};
 use glam::{DMat3, DQuat, DVec3};
 
 /// Maximum condition number of a transform: beyond 10¹², a ray in local space keeps fewer than four digits. In the
@@ -224,15 +228,14 @@ impl Transform {
 
     /// Uniform scale factor, if lengths scale equally in all directions (to 10⁻¹²).
     pub fn uniform_scale(&self) -> Option<f64> {
-        // Divided by a power of two, which is exact: squares neither overflow nor underflow.
-        let numbers = self.linear.to_cols_array();
-        let largest = numbers.into_iter().fold(f64::MIN_POSITIVE, |largest, x| largest.max(x.abs()));
-        let unit = f64::from_bits(largest.to_bits() & f64::INFINITY.to_bits());
-        let linear = DMat3::from_cols_array(&numbers.map(|x| x / unit));
+        // Squares neither overflow nor underflow.
+        let DMat3 { x_axis, y_axis, z_axis } = self.linear;
+        let factor = power_of_two_scale(x_axis.abs().max(y_axis.abs()).max(z_axis.abs()));
+        let linear = self.linear * factor;
         let gram = linear.transpose() * linear;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
         let deviation = gram - DMat3::from_diagonal(DVec3::splat(square));
-        (frobenius(&deviation) <= 1e-12 * square).then(|| square.sqrt() * unit)
+        (frobenius(&deviation) <= 1e-12 * square).then(|| square.sqrt() / factor)
     }
 
     /// Condition number of the linear part in the Frobenius norm, at least 3.
