@@ -44,8 +44,9 @@ pub struct SphereRegion {
 
 impl Region for SphereRegion {
     fn bounds(&self) -> Aabb {
-        // Rounded outward, so that every box that touches the sphere touches its bounds.
-        let [min, max] = [self.centre - self.radius, self.centre + self.radius];
+        // Rounded outward: every box that `overlaps` accepts touches the bounds. Distances below 1e-154 have no square.
+        let radius = self.radius * (1.0 + 8.0 * f64::EPSILON) + 2e-154;
+        let [min, max] = [self.centre - radius, self.centre + radius];
         Aabb::new(
             DVec3::from_array(min.to_array().map(f64::next_down)),
             DVec3::from_array(max.to_array().map(f64::next_up)),

@@ -341,6 +341,22 @@ fn nearest_points_without_a_number_are_passed_over() {
     }
 }
 
+/// Regression: the grid passed over boxes within a rounding error of a sphere, which others found.
+#[test]
+fn boxes_next_to_a_sphere_overlap_it_in_every_accelerator() {
+    // Their padding is less than the rounding of the radius.
+    let beyond = |k: u32| DVec3::new(f64::from(k) * -1e-16, 5e-10, 5e-10);
+    let boxes = (1..16).map(|k| Solid::Ghost(Aabb::new(DVec3::new(-1e-9, -5e-10, -5e-10), beyond(k))));
+    let soup = Soup(boxes.collect());
+    let region = SphereRegion { centre: DVec3::X, radius: 1.0 };
+    let all = Structures::build(&soup);
+    let expected = overlapping(&all.0[0], &soup, &region);
+    assert!(!expected.is_empty() && expected.len() < soup.len(), "{expected:?}");
+    for structure in &all.0 {
+        assert_eq!(overlapping(structure, &soup, &region), expected, "{}", structure.kind().name());
+    }
+}
+
 /// Regression: the rounded square of the radius was less than the squared distance of the box.
 #[test]
 fn a_box_that_touches_a_sphere_overlaps_it() {
