@@ -70,7 +70,7 @@ impl WideBvh {
             return self.descend(primitives, query, probe);
         }
         for leaf in self.leaves() {
-            query.test_leaf(primitives, self.leaves.indices(leaf), probe)?;
+            query.test_leaf(primitives, &self.leaves.indices(leaf), probe)?;
         }
         ControlFlow::Continue(())
     }
@@ -90,7 +90,7 @@ impl WideBvh {
                 continue;
             }
             if !child.is_node() {
-                query.test_leaf(primitives, self.leaves.indices(child), probe)?;
+                query.test_leaf(primitives, &self.leaves.indices(child), probe)?;
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };
@@ -115,7 +115,7 @@ impl WideBvh {
                 continue;
             }
             if !child.is_node() {
-                query.test_leaf(self.leaves.indices(child))?;
+                query.test_leaf(&self.leaves.indices(child))?;
                 continue;
             }
             let Some(node) = self.nodes.get(child.number()) else { continue };

@@ -52,7 +52,7 @@ impl WideBvh {
         validate_lists(primitives, self.bounded + self.unbounded.len() as u32, &self.unbounded)?;
         let filling = LeafWriter { primitives, centre: self.centre, kind: self.leaves.kind };
         self.for_each_leaf(|leaf, bounds| {
-            for &primitive in self.leaves.indices(leaf) {
+            for &primitive in self.leaves.indices(leaf).iter() {
                 let own = padded_bounds(primitives, primitive).ok_or(ValidationError::Misplaced { primitive })?;
                 if !bounds.encloses(&own, self.centre) {
                     return Err(ValidationError::Outside { primitive });

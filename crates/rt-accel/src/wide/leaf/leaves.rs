@@ -4,6 +4,7 @@ use glam::DVec3;
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::block::{CacheLine, LINE, LeafMut, LeafView, MAX_LEAF, MAX_LINES};
+use super::index_word::{IndexWord, LeafIndices};
 use super::kind::LeafKind;
 use super::{boxes, spheres, triangles};
 use crate::{bvh::Aabb32, wide::huge_pages::filled, wide::node::Child};
@@ -60,7 +61,9 @@ impl<P: Primitives> LeafWriter<'_, P> {
         let count = indices.len();
         let n_lines = self.kind.lines(count);
         let words = CacheLine::words_mut(&mut lines[..n_lines]);
-        words[header + numbers * count..][..count].copy_from_slice(indices);
+        for (word, &index) in words[header + numbers * count..].iter_mut().zip(indices) {
+            *word = IndexWord::new(index).0;
+        }
         let mut block = LeafMut { words, count, header };
         match self.kind {
             LeafKind::Watertight => triangles::fill(&mut block, self.primitives, indices, None),
@@ -99,14 +102,14 @@ impl Leaves {
     /// True if the leaf equals a copy of its primitives.
     pub(in crate::wide) fn fits<P: Primitives>(&self, leaf: Child, filling: &LeafWriter<'_, P>) -> bool {
         let mut anew = [CacheLine::default(); MAX_LINES];
-        let n_lines = filling.fill(self.indices(leaf), &mut anew);
+        let n_lines = filling.fill(&self.indices(leaf), &mut anew);
         self.lines[leaf.number()..].starts_with(&anew[..n_lines])
     }
 
     /// Copies the primitives of a leaf again.
     pub(in crate::wide) fn refill<P: Primitives>(&mut self, leaf: Child, filling: &LeafWriter<'_, P>) {
         let mut anew = [CacheLine::default(); MAX_LINES];
-        let n_lines = filling.fill(self.indices(leaf), &mut anew);
+        let n_lines = filling.fill(&self.indices(leaf), &mut anew);
         self.lines[leaf.number()..][..n_lines].copy_from_slice(&anew[..n_lines]);
     }
 
@@ -116,10 +119,10 @@ impl Leaves {
 
     /// Primitives of a leaf that lies within the lines.
     #[inline]
-    pub(in crate::wide) fn indices(&self, leaf: Child) -> &[u32] {
+    pub(in crate::wide) fn indices(&self, leaf: Child) -> LeafIndices {
         let (header, numbers) = self.kind.shape();
         let first = leaf.number() * LINE + header + numbers * leaf.count();
-        self.words().get(first..first + leaf.count()).unwrap_or(&[])
+        LeafIndices::new(self.words().get(first..first + leaf.count()).unwrap_or(&[]))
     }
 
     /// True if all words that filters read of the leaf exist.

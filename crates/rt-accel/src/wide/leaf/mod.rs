@@ -1,11 +1,12 @@
 //! Leaves: copies of primitives for conservative tests, eight at a time.
 //!
 //! A leaf of n primitives is a block of 32-bit words, aligned to a cache line. It has a header, then each number of all
-//! primitives (structure of arrays), then their indices. Loads of eight numbers may read beyond a row; these lanes are
-//! masked.
+//! primitives (structure of arrays), then their indices, as [`IndexWord`]s. Loads of eight numbers may read beyond a row;
+//! these lanes are masked.
 
 mod block;
 mod boxes;
+mod index_word;
 mod kind;
 mod leaves;
 mod spheres;
@@ -13,6 +14,7 @@ mod triangles;
 
 pub(super) use block::{CacheLine, Lane, LeafView, MAX_LEAF};
 pub(super) use boxes::BOX_NUMBERS;
+pub(super) use index_word::IndexWord;
 pub(super) use kind::{GeometryCounts, LeafKind};
 pub(super) use leaves::{LeafOrder, LeafWriter, Leaves};
 pub(super) use spheres::{SPHERE_HEADER, SPHERE_NUMBERS};
