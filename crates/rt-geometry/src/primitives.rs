@@ -1,6 +1,6 @@
 //! Interface of primitives, against which rays are traced.
 
-use crate::{Hit, Probe, SphereKernel};
+use crate::{Hit, Plane, Probe, SphereKernel};
 use rt_math::{Aabb, Interval, Ray};
 use rt_math::{DVec3, Vec3};
 
@@ -37,6 +37,8 @@ pub enum BatchKernel {
     /// [`SphereKernel::intersect`](crate::SphereKernel::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
     /// radius, as rounded.
     Sphere(SphereKernel),
+    /// [`Plane::intersect`], unbounded.
+    Plane(Plane),
     /// The primitive is an accelerator, which traces many rays faster together: [`Primitives::intersect_batch`]. Each
     /// level of nested wide trees takes some 100 KiB of the stack in batches.
     Instance,
@@ -102,14 +104,14 @@ pub trait Primitives: Sync {
         }
     }
 
-    /// Instance and primitive of hits on primitive `index`, if its [`batch_kernel`](Self::batch_kernel) is a triangle or a sphere.
+    /// Instance and primitive of hits on primitive `index`, if its [`batch_kernel`](Self::batch_kernel) is a shape.
     #[inline]
     fn hit_ids(&self, index: u32) -> [u32; 2] {
         [0, index]
     }
 
     /// False if primitive `index` occludes no ray: [`occludes`](Self::occludes) is never true. Otherwise `occludes`
-    /// agrees with the [`batch_kernel`](Self::batch_kernel), if that is a triangle or a sphere.
+    /// agrees with the [`batch_kernel`](Self::batch_kernel), if that is a shape.
     #[inline]
     fn blocks(&self, _index: u32) -> bool {
         true

@@ -511,6 +511,7 @@ impl Primitives for Instances<'_> {
     fn batch_kernel(&self, index: u32) -> BatchKernel {
         match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
+            InstanceGeometry::Shape(Shape::Plane(plane)) => BatchKernel::Plane(*plane),
             InstanceGeometry::Triangle(triangle) => triangle.mesh.batch_kernel(triangle.index),
             geometry if geometry.is_structure() => BatchKernel::Instance,
             _ => BatchKernel::Single,

@@ -60,7 +60,7 @@ impl WithSimd<&[(Ray, Interval); PACKET], &mut ExactPacketHits> for ExactPacket<
                     }
                 }
             }
-            BatchKernel::Instance | BatchKernel::Single => {}
+            BatchKernel::Plane(_) | BatchKernel::Instance | BatchKernel::Single => {}
         }
     }
 }

@@ -136,6 +136,12 @@ impl<S: Simd> F64x8<S> {
     }
 }
 
+/// Adds in the order of `DVec3::dot`.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> F64x8<S> {
+    a[0].mul(simd, b[0]).add(simd, a[1].mul(simd, b[1])).add(simd, a[2].mul(simd, b[2]))
+}
+
 /// Differences of two vectors by lane.
 #[inline(always)]
 pub(super) fn sub3<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> [F64x8<S>; 3] {

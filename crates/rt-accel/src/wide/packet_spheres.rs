@@ -11,7 +11,7 @@
 
 use rt_geometry::SphereKernel;
 
-use super::f64x8::{F64x8, PACKET, max_abs, sub3};
+use super::f64x8::{F64x8, PACKET, dot, max_abs, sub3};
 use super::ray_soa::{INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
@@ -121,12 +121,6 @@ impl<S: Simd> SpherePacket<S> {
         ];
         rays.cross_box(simd, low, high, pad)
     }
-}
-
-/// Adds in the order of `DVec3::dot`.
-#[inline(always)]
-fn dot<S: Simd>(simd: S, a: [F64x8<S>; 3], b: [F64x8<S>; 3]) -> F64x8<S> {
-    a[0].mul(simd, b[0]).add(simd, a[1].mul(simd, b[1])).add(simd, a[2].mul(simd, b[2]))
 }
 
 #[cfg(test)]

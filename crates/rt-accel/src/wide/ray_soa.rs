@@ -1,7 +1,7 @@
 //! Eight rays as a structure of arrays.
 
 use rt_geometry::{RayStream, StreamArray};
-use rt_math::{BOUNDS_PADDING, Interval, Ray};
+use rt_math::{Aabb, BOUNDS_PADDING, DVec3, FAR_FACTOR, Interval, Ray};
 
 use super::f64x8::{F64x8, PACKET};
 use super::simd::Simd;
@@ -75,6 +75,21 @@ impl<S: Simd> RaySoa8<S> {
             leave = one.max(simd, other).min(simd, leave);
         }
         [enter, leave]
+    }
+
+    /// A bit for each ray that may pass a box within its span, at `t` or before: for all that [`Aabb::clip`] accepts. Spans begin at 0 or
+    /// later.
+    #[inline(always)]
+    pub(super) fn may_pass(&self, simd: S, bounds: &Aabb, t: F64x8<S>) -> u32 {
+        let side = |side: DVec3| side.to_array().map(|number| F64x8::splat(simd, number));
+        let zero = F64x8::splat(simd, 0.0);
+        let [enter, leave] = self.cross_box(simd, side(bounds.min), side(bounds.max), zero);
+        let enter = enter.max(simd, self.min);
+        let leave = leave.mul(simd, F64x8::splat(simd, FAR_FACTOR)).min(simd, self.max).min(simd, t);
+        // Rays along a side may have NaN, which is no constraint.
+        let [x, y, z] = self.inverse;
+        let nothing = x.add(simd, y).add(simd, z).mul(simd, zero);
+        enter.le(simd, leave) | (0xff & !nothing.le(simd, zero))
     }
 
     /// By axis: a bit for each ray with its largest direction component there, with the ties of [`WatertightRay`].

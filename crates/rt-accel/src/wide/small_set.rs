@@ -1,10 +1,10 @@
 //! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
 //! batches.
 
-use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream};
-use rt_math::{Interval, Ray};
+use rt_geometry::{BatchKernel, Hit, HitStream, Plane, Primitives, Probe, RayStream, padded_bounds};
+use rt_math::{Aabb, DVec3, Interval, Ray};
 
-use super::f64x8::PACKET;
+use super::f64x8::{F64x8, PACKET, dot, sub3};
 use super::packet::SWITCH_THRESHOLD;
 use super::packet_spheres::SpherePacket;
 use super::packet_triangles;
@@ -173,17 +173,22 @@ struct SetEntry {
     hit_ids: [u32; 2],
     casts_shadow: bool,
     kernel: BatchKernel,
+    /// Padded bounds of a primitive that is intersected ray by ray; `None` if it is unbounded.
+    bounds: Option<Aabb>,
 }
 
 impl SetEntry {
-    const NONE: Self = Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single };
+    const NONE: Self =
+        Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single, bounds: None };
 
     fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
+        let kernel = primitives.batch_kernel(index);
         Self {
             index,
             hit_ids: primitives.hit_ids(index),
             casts_shadow: primitives.blocks(index),
-            kernel: primitives.batch_kernel(index),
+            kernel,
+            bounds: if kernel == BatchKernel::Single { padded_bounds(primitives, index) } else { None },
         }
     }
 
@@ -192,8 +197,8 @@ impl SetEntry {
     }
 
     /// True if it is intersected with eight rays at once.
-    const fn has_kernel(&self) -> bool {
-        matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Triangle(_))
+    fn has_kernel(&self) -> bool {
+        !self.is_instance() && (self.bounds.is_some() || self.kernel != BatchKernel::Single)
     }
 }
 
@@ -332,7 +337,7 @@ impl<O: Output> Batch<'_, O> {
         results: &mut SetResults,
     ) {
         let by_axis = soa.by_steepest_axis(simd);
-        for (number, SetEntry { index, casts_shadow, kernel, .. }) in self.entries.iter().enumerate() {
+        for (number, SetEntry { index, casts_shadow, kernel, bounds, .. }) in self.entries.iter().enumerate() {
             let active = results.active;
             if active == 0 {
                 break;
@@ -367,7 +372,15 @@ impl<O: Output> Batch<'_, O> {
                     }
                     uncertain
                 }
-                BatchKernel::Instance | BatchKernel::Single => active,
+                BatchKernel::Plane(plane) => {
+                    let hits = plane_hits(simd, plane, soa);
+                    self.stats.hits += results.accept::<S, O>(simd, number, active, &hits);
+                    0
+                }
+                BatchKernel::Instance | BatchKernel::Single => match bounds {
+                    Some(bounds) => active & soa.may_pass(simd, bounds, F64x8::new(simd, results.t)),
+                    None => active,
+                },
             };
             while uncertain != 0 {
                 let lane = take_lane(&mut uncertain);
@@ -379,6 +392,17 @@ impl<O: Output> Batch<'_, O> {
             }
         }
     }
+}
+
+/// Hits of eight rays on a plane, as of [`Plane::intersect`].
+#[inline(always)]
+fn plane_hits<S: Simd>(simd: S, plane: &Plane, soa: &RaySoa8<S>) -> PacketHit<S> {
+    let of_plane = |v: DVec3| v.to_array().map(|number| F64x8::splat(simd, number));
+    let normal = of_plane(plane.normal());
+    let to_plane = sub3(simd, of_plane(plane.point()), soa.origin);
+    let t = dot(simd, normal, to_plane).div(simd, dot(simd, normal, soa.direction));
+    let hit = soa.min.le(simd, t) & t.le(simd, soa.max) & t.lt(simd, F64x8::splat(simd, f64::INFINITY));
+    PacketHit { hit, uncertain: 0, t, uv: [F64x8::splat(simd, 0.0); 2] }
 }
 
 /// Traces a stream of rays through the entries of a batch.

@@ -7,7 +7,7 @@ pub(crate) mod rays;
 pub(crate) mod structures;
 
 use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray, SphereKernel};
-use rt_geometry::WatertightRay;
+use rt_geometry::{BatchKernel, Plane, WatertightRay};
 use rt_math::{SlabRay, Vec3};
 
 use rt_tests::Draw;
@@ -216,12 +216,14 @@ impl Solid {
             }
             Self::Triangle(vertices) => triangle(vertices, ray).filter(|&t| span.contains(t)),
             Self::Sloppy(aabb) => sloppy(aabb, ray).filter(|&t| span.contains(t)),
-            Self::Ground { height } => {
-                Some((height - ray.origin.y) / ray.direction.y).filter(|&t| t.is_finite() && span.contains(t))
-            }
+            Self::Ground { height } => ground(height).intersect(ray, span).map(|hit| hit.t),
             Self::Facet(_) | Self::Ghost(_) => None,
         }
     }
+}
+
+fn ground(height: f64) -> Plane {
+    Plane::new(DVec3::new(0.3, height, -0.2), DVec3::Y).expect("a finite height")
 }
 
 fn sphere(centre: DVec3, radius: f64, ray: &Ray, span: Interval) -> Option<f64> {
@@ -286,6 +288,15 @@ impl Primitives for Soup {
             Solid::Triangle(vertices) => PrimitiveGeometry::Triangle(vertices),
             Solid::Facet(vertices) => PrimitiveGeometry::ExactTriangle(vertices),
             Solid::Sloppy(_) | Solid::Ground { .. } | Solid::Ghost(_) => PrimitiveGeometry::Opaque,
+        }
+    }
+
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        match self.0[index as usize] {
+            Solid::Round(round) => BatchKernel::Sphere(round),
+            Solid::Facet(vertices) => BatchKernel::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
+            Solid::Ground { height } => BatchKernel::Plane(ground(height)),
+            _ => BatchKernel::Single,
         }
     }
 }
