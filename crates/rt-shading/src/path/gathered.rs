@@ -43,10 +43,10 @@ impl HitGroups {
     }
 
     /// Version of [`push`](Self::push) for a surface that is known.
-    pub(super) fn push_surface(&mut self, interaction: SurfaceInteraction, surface: LaneSurface) {
+    pub(super) fn push_surface(&mut self, interaction: &SurfaceInteraction, surface: &LaneSurface) {
         self.rays.push(self.kinds.len() as u32);
-        self.kinds.push(VertexKind::of(&surface));
-        self.surfaces.push((interaction, surface));
+        self.kinds.push(VertexKind::of(surface));
+        self.surfaces.push((*interaction, *surface));
     }
 
     /// Appends the same group for all rays that hit a primitive.

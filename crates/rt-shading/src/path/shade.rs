@@ -1,6 +1,7 @@
 //! Shading of hits one by one: emission with its MIS weight, and BSDF sampling.
 
 use super::{
+    gathered::HitGroups,
     inputs::PathInputs,
     path_stream::{PathRecord, PrevVertex},
     transport::Transport,
@@ -8,7 +9,6 @@ use super::{
 };
 use crate::{
     RadianceSample, SurfaceHit,
-    bsdf::LaneSurface,
     hit_context::HitContext,
     interior_list::MediumInterface,
     lane_set::Element,
@@ -35,21 +35,21 @@ pub(super) struct HitPath<'a, E: Element> {
 
 impl<E: Element> SpawnedPaths<E> {
     /// Adds emission at the hit of a ray, samples direct light there, and samples the next ray of the path. For a surface that can be
-    /// shaded in lanes, only the emission is added, and the BSDF is returned.
+    /// shaded in lanes, only the emission is added, and the surface is pushed; returns true for it.
     pub(super) fn shade_hit<S: Sampler>(
         &mut self,
         inputs: &PathInputs<'_>,
         (wave, at): (&PathWave<'_, E>, usize),
         hit: &mut SurfaceHit,
-        sampler: &mut S,
+        (groups, sampler): (&mut HitGroups, &mut S),
         seen: &mut RadianceSample,
-    ) -> Option<LaneSurface> {
+    ) -> bool {
         let &PathInputs { settings, features, lighting, .. } = inputs;
         let materials = &lighting.appearance.materials;
         let (ray, _) = wave.paths.rays.get(at);
         let Some(context) = HitContext::new(features, materials, &ray, hit) else {
             seen.hit = true;
-            return None;
+            return false;
         };
         let sample = wave.paths.sample.get(at);
         let state = &mut self.states[sample as usize];
@@ -59,7 +59,7 @@ impl<E: Element> SpawnedPaths<E> {
         let mut path = HitPath { wave, at, sample, throughput: wave.paths.throughput(at), interface };
         if !context.is_visible(interface) {
             self.skip_interface(inputs, path, hit, length, seen);
-            return None;
+            return false;
         }
         seen.hit = true;
         let was_absorbed = features.absorption && state.medium_tracker.absorbs(materials);
@@ -81,7 +81,7 @@ impl<E: Element> SpawnedPaths<E> {
             self.look_behind(&ray, hit, (sample, path.throughput), from);
         }
         if wave.bounces > settings.max_depth || self.states[sample as usize].emission_only {
-            return None;
+            return false;
         }
         let unbent = hit.interaction.shading_normal;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
@@ -106,7 +106,8 @@ impl<E: Element> SpawnedPaths<E> {
             && !was_absorbed
         {
             hit.interaction.shading_normal = unbent;
-            return Some(*surface);
+            groups.push_surface(&hit.interaction, surface);
+            return true;
         }
         let vertex = Vertex::new(view, bsdf, ray.time);
         let vertex = match cached {
@@ -119,7 +120,7 @@ impl<E: Element> SpawnedPaths<E> {
         };
         self.sample_direct_lighting(inputs, &path, &vertex, sampler, seen);
         self.sample_bsdf(inputs, &path, &vertex, sampler);
-        None
+        false
     }
 
     /// True for the emission of a light that [`LightTracingIntegrator`](crate::LightTracingIntegrator) computes: the last bounce was

@@ -230,13 +230,11 @@ impl<E: Element> SpawnedPaths<E> {
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
             let hit = &mut world.surface(&ray, hits, at, needs);
-            let vertex = hit.as_mut().and_then(|hit| {
-                let surface = self.shade_hit(inputs, (wave, at), hit, &mut samplers[id], &mut seen[id])?;
-                Some((hit.interaction, surface))
-            });
-            match vertex {
-                Some((interaction, surface)) => groups.push_surface(interaction, surface),
-                None => groups.push(VertexKind::Done),
+            let is_in_lanes = hit
+                .as_mut()
+                .is_some_and(|hit| self.shade_hit(inputs, (wave, at), hit, (groups, &mut samplers[id]), &mut seen[id]));
+            if !is_in_lanes {
+                groups.push(VertexKind::Done);
             }
         }
     }
