@@ -7,23 +7,31 @@ use rt_shading::{Alpha, AlphaMode, Material, Texture, TexturePoint};
 /// Alpha test of a mesh: rays pass where the material does not cover it.
 #[derive(Clone, Debug)]
 pub(crate) struct AlphaTest {
+    /// Number of the surface: no other mesh of the scene has it, nor this mesh with another material.
+    surface: u64,
     alpha: Alpha,
     /// True if back faces are culled.
     culls_back_faces: bool,
 }
 
 impl AlphaTest {
-    /// Alpha test of a mesh with this material; `None` if every hit passes. Back faces of closed meshes need no culling.
-    pub(crate) fn of(material: &Material, mesh: &TriangleMesh) -> Option<Self> {
+    /// Alpha test of a mesh with this material; `None` if every hit passes. Back faces of closed meshes need no culling. `ids` are those of
+    /// the mesh and of the material.
+    pub(crate) fn of(material: &Material, mesh: &TriangleMesh, ids: [u32; 2]) -> Option<Self> {
         let alpha = &material.alpha;
         let culls_back_faces = alpha.culls_back_faces && !mesh.data().is_closed();
-        (alpha.mode != AlphaMode::Opaque || culls_back_faces).then(|| Self { alpha: alpha.clone(), culls_back_faces })
+        let [mesh, material] = ids.map(u64::from);
+        (alpha.mode != AlphaMode::Opaque || culls_back_faces).then(|| Self {
+            surface: mesh << 32 | material,
+            alpha: alpha.clone(),
+            culls_back_faces,
+        })
     }
 }
 
 /// Triangles of a mesh with an alpha test.
 ///
-/// The random threshold of a blended surface is a hash of ray and triangle. It is the same for all accelerators.
+/// The random threshold of a blended surface is a hash of ray, surface and triangle. It is the same for all accelerators.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlphaTestedMesh<'w> {
     pub(crate) mesh: &'w TriangleMesh,
@@ -44,16 +52,16 @@ impl AlphaTestedMesh<'_> {
         }
         let Some(([uv, second], alpha)) = self.mesh.coverage_at(hit) else { return false };
         let detail = VertexAttributes { second_uv: second.map(|x| x as f32), ..VertexAttributes::default() };
-        let threshold = || random::unit(hash(ray, hit.primitive));
+        let threshold = || random::unit(hash(ray, self.alpha_test.surface, hit.primitive));
         self.alpha_test.alpha.hits(self.textures, &TexturePoint { uv, detail }, alpha, threshold)
     }
 }
 
-/// Hash of a ray and a triangle index.
-fn hash(ray: &Ray, triangle: u32) -> u64 {
+/// Hash of a ray and a triangle of a surface.
+fn hash(ray: &Ray, surface: u64, triangle: u32) -> u64 {
     let bits = |v: DVec3| v.to_array().map(f64::to_bits);
     let ([a, b, c], [d, e, f]) = (bits(ray.origin), bits(ray.direction));
-    random::hash(&[a, b, c, d, e, f, ray.time.to_bits(), u64::from(triangle)])
+    random::hash(&[a, b, c, d, e, f, ray.time.to_bits(), surface, u64::from(triangle)])
 }
 
 impl Primitives for AlphaTestedMesh<'_> {
@@ -89,7 +97,7 @@ mod tests {
     }
 
     fn alpha_test(alpha: Alpha) -> Option<AlphaTest> {
-        AlphaTest::of(&Material { alpha, ..Material::new(String::new(), Phong::default()) }, &square())
+        AlphaTest::of(&Material { alpha, ..Material::new(String::new(), Phong::default()) }, &square(), [0; 2])
     }
 
     fn hits(alpha_test: &AlphaTest, textures: &[Texture], ray: &Ray) -> usize {

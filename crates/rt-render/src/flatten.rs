@@ -358,7 +358,7 @@ impl<'s> Flattener<'s> {
         })?;
         let count = named.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
-        let alpha_test = material.and_then(|material| AlphaTest::of(material, &named.mesh));
+        let alpha_test = material.and_then(|material| AlphaTest::of(material, &named.mesh, [id.0, node.material.0]));
         let has_normal_map = material.is_some_and(|material| material.normal_map.is_some());
         if count <= MAX_INLINED_TRIANGLES
             && alpha_test.is_none()

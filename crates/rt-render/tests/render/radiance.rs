@@ -4,7 +4,7 @@ use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
 use rt_render::{PlanOptions, Precision, RunOptions};
 use rt_scene_io::{Content, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode};
-use rt_shading::{ColorTexture, InteriorMedium, Material, Phong, Transmission};
+use rt_shading::{Alpha, AlphaMode, Background, ColorTexture, InteriorMedium, Material, Phong, Transmission};
 
 use crate::support::{camera, compile_with, film, node, point_light, scene};
 
@@ -90,5 +90,34 @@ fn whitted_absorbed_no_light_on_the_way_from_a_light() {
                 assert!(off < 1e-5, "{integrator:?} {precision:?} pixel {i}: {seen} not {expected}");
             }
         }
+    }
+}
+
+#[test]
+fn blended_layers_of_several_meshes_shared_one_random_number() {
+    let panes = [(0.5, 0.0), (0.3, -0.5), (0.7, -1.0)];
+    let pane = |height: f32| {
+        let positions =
+            [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)].map(|(x, z)| Vec3::new(x, height, z)).to_vec();
+        let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() };
+        NamedMesh { name: "pane".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }
+    };
+    let black = |factor| {
+        let alpha = Alpha { mode: AlphaMode::Blend, factor, ..Alpha::OPAQUE };
+        Material { alpha, ..Material::new("black".into(), Phong::BLACK) }
+    };
+    let camera = camera([0.0, 5.0, 0.0], [0.0; 3], DVec3::NEG_Z, 0.8);
+    let nodes = (0..3).map(|i| node(Content::Mesh(MeshId(i)), i)).collect();
+    let materials = panes.iter().map(|(alpha, _)| black(*alpha)).collect();
+    let mut scene = scene(camera, [64, 64], materials, nodes);
+    scene.settings.spp = 16;
+    scene.meshes = panes.iter().map(|(_, height)| pane(*height)).collect();
+    scene.appearance.background = Background::Constant(Rgb::WHITE);
+    for integrator in [Integrator::Path, Integrator::Whitted] {
+        scene.settings.integrator = integrator;
+        let film = film(&scene);
+        let mean = film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / film.pixels().len() as f64;
+        // 5 standard errors of 64·64·16 samples.
+        assert!((mean - 0.5 * 0.7 * 0.3).abs() < 0.006, "{integrator:?}: {mean}");
     }
 }
