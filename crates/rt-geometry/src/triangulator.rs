@@ -19,7 +19,7 @@ pub struct Face<'a> {
 /// Triangulates faces. Keeps its buffers from one face to the next.
 pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
-    /// The corners of all rings in a row, as indices, in space and in the plane of the face.
+    /// The corners of all rings in a row, without repeats, as indices, in space and in the plane of the face.
     corners: Vec<u32>,
     points: Vec<DVec3>,
     flat: Vec<[f64; 2]>,
@@ -41,12 +41,14 @@ impl Triangulator {
 
     /// Appends the triangles of a face, with the orientation of its outline.
     ///
-    /// A face whose outline has no area, or with a NaN or infinite corner, becomes the fan of its outline. The mesh
-    /// drops and counts unusable triangles. All rings must have at least three corners with valid indices.
+    /// Corners at the position of the corner before them are left out. A face whose outline has no area, or with a NaN
+    /// or infinite corner, becomes the fan of its outline. The mesh drops and counts unusable triangles. All rings must
+    /// have at least three corners with valid indices.
     pub(crate) fn append(&mut self, positions: &[Vec3], face: &Face<'_>, triangles: &mut Vec<[u32; 3]>) {
-        let n = face.outline.len();
+        let mut outline = face.outline;
         let mut start = 0;
-        if (n > 3 || !face.holes.is_empty()) && self.project(positions, face) {
+        if (outline.len() > 3 || !face.holes.is_empty()) && self.project(positions, face) {
+            let n = self.hole_starts.first().map_or(self.corners.len(), |start| *start as usize);
             let turn_at = |i: usize| turn(self.flat[(i + n - 1) % n], self.flat[i], self.flat[(i + 1) % n]);
             let (mut straightest, mut smallest, mut largest) = (0, turn_at(0), turn_at(0));
             for i in 1..n {
@@ -62,11 +64,13 @@ impl Triangulator {
                 self.clip_ears(triangles);
                 return;
             }
+            outline = &self.corners[..n];
         }
         // Most programs begin the fan at the first corner, which is visible on faces that are not quite flat. From the
         // notch of a quadrilateral, or from a corner on a straight edge, all triangles of the fan are inside and no
         // corner is lost.
-        let corner = |i: usize| face.outline[(start + i) % n];
+        let n = outline.len();
+        let corner = |i: usize| outline[(start + i) % n];
         triangles.extend((1..n - 1).map(|i| [corner(0), corner(i), corner(i + 1)]));
     }
 
@@ -87,15 +91,14 @@ impl Triangulator {
     /// or for non-finite corners.
     fn project(&mut self, positions: &[Vec3], face: &Face<'_>) -> bool {
         self.corners.clear();
-        self.corners.extend_from_slice(face.outline);
+        self.points.clear();
         self.hole_starts.clear();
+        self.push_ring(positions, face.outline);
+        let Some(area) = polygon_area_vector(&self.points) else { return false };
         for hole in face.holes {
             self.hole_starts.push(self.corners.len() as u32);
-            self.corners.extend_from_slice(hole);
+            self.push_ring(positions, hole);
         }
-        self.points.clear();
-        self.points.extend(self.corners.iter().map(|i| positions[*i as usize].as_dvec3()));
-        let Some(area) = polygon_area_vector(&self.points[..face.outline.len()]) else { return false };
         let frame = Frame::from_z(area.normalize());
         // Relative to the first corner, so that small polygons far from the origin stay sharp.
         let origin = self.points[0];
@@ -105,6 +108,23 @@ impl Triangulator {
             [local.x, local.y]
         }));
         self.points.iter().all(|point| point.is_finite())
+    }
+
+    /// Appends the corners of a ring that are not at the position of the corner before them. Repeated corners would
+    /// hide a notch: they turn by 0.
+    fn push_ring(&mut self, positions: &[Vec3], ring: &[u32]) {
+        let start = self.points.len();
+        for corner in ring {
+            let point = positions[*corner as usize].as_dvec3();
+            if self.points[start..].last() != Some(&point) {
+                self.corners.push(*corner);
+                self.points.push(point);
+            }
+        }
+        while self.points.len() > start + 1 && self.points.last() == self.points.get(start) {
+            self.corners.pop();
+            self.points.pop();
+        }
     }
 }
 
@@ -218,6 +238,37 @@ mod tests {
     fn corners_on_an_edge_are_allowed() {
         let (area, _) = triangulated(&[[0., 0., 0.], [1., 0., 0.], [2., 0., 0.], [2., 1., 0.], [0., 1., 0.]]);
         assert_eq!(area, 2.0);
+    }
+
+    /// The notch of a face with repeated corners was filled: the turn at a repeated corner is 0, so that the face
+    /// became a fan.
+    #[test]
+    fn a_concave_face_with_repeated_corners_was_a_fan() {
+        let u = [[0., 0.], [3., 0.], [3., 3.], [2., 3.], [2., 1.], [1., 1.], [1., 3.], [0., 3.]];
+        let positions = u.map(|[x, y]| Vec3::new(x, y, 0.0));
+        // All corners two times, as distinct vertices and as the same vertex.
+        let (mut twice, mut triangles) = (Vec::new(), Vec::new());
+        for (i, &[x, y]) in u.iter().enumerate() {
+            twice.extend([[x, y, 0.0]; 2]);
+            let outline: Vec<u32> = (0..8).flat_map(|k| vec![k; if k as usize == i { 3 } else { 2 }]).collect();
+            triangles.clear();
+            Triangulator::new().append(&positions, &Face { outline: &outline, holes: &[] }, &mut triangles);
+            assert_eq!(triangles.len(), 6);
+        }
+        assert_eq!(triangulated(&twice), (7.0, 6));
+        // The last corner is the first, in the outline and in a hole.
+        let hole = [[0.25, 0.25], [0.25, 0.75], [0.75, 0.75], [0.75, 0.25]].map(|[x, y]| [x, y, 0.0]);
+        twice.rotate_left(1);
+        assert_eq!(triangulated(&twice), (7.0, 6));
+        assert_eq!(with_holes(&twice, &[&[hole[0], hole[1], hole[2], hole[2], hole[3], hole[0]]]).0, 6.75);
+    }
+
+    #[test]
+    fn triangles_of_a_face_with_repeated_corners_have_its_indices() {
+        let square = [[0., 0., 0.], [0., 0., 0.], [2., 0., 0.], [2., 1., 0.], [0., 1., 0.]].map(Vec3::from);
+        let mut triangles = Vec::new();
+        Triangulator::new().append(&square, &Face { outline: &[4, 0, 1, 2, 2, 3], holes: &[] }, &mut triangles);
+        assert_eq!(triangles, [[4, 0, 2], [4, 2, 3]]);
     }
 
     #[test]
