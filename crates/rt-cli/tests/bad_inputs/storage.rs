@@ -168,5 +168,11 @@ pub(crate) fn truncated_texture() -> Vec<Input> {
     let whole = png_of(4, 4);
     let cut = [0, 7, 20, 40, whole.len() / 2];
     let input = |length: usize| textured("t.png").with_file("t.png", &whole[..length]);
-    cut.map(|length| input(length).refused(&["scene.ron:1:", ": materials[\"m\"].color: "])).into()
+    let jpeg = &include_bytes!("../../../../fuzz/seeds/texture/RGB.jpg")[..655];
+    let mut inputs: Vec<Input> =
+        cut.map(|length| input(length).refused(&["scene.ron:1:", ": materials[\"m\"].color: "])).into();
+    inputs.push(
+        textured("t.jpg").with_file("t.jpg", jpeg).refused(&["materials[\"m\"].color: ", "truncated or damaged"]),
+    );
+    inputs
 }
