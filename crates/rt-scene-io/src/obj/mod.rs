@@ -68,7 +68,10 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
 
     let mut model = Model::default();
     if let Some(line) = not_utf8 {
-        model.warn(format_args!("{}:{}", path.display(), line), "bytes that are not UTF-8 were replaced".to_owned());
+        model.warn(
+            format_args!("{}:{}", path.display(), line),
+            "bytes that are not UTF-8 were read as Latin-1".to_owned(),
+        );
     }
     for (what, (count, line)) in &document.skipped {
         model.warn(format_args!("{}:{}", path.display(), *line), format!("{what}: left out{}", times(*count)));

@@ -25,15 +25,28 @@ impl Line<'_> {
 }
 
 /// The text of a file. A byte order mark is dropped, line ends of all systems become `\n`, and bytes that are not UTF-8
-/// become U+FFFD. The second value is the first line with such bytes, from 1.
+/// become the characters of Latin-1, so that distinct names stay distinct. The second value is the first line with such
+/// bytes, from 1.
 pub(crate) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let bad = std::str::from_utf8(bytes).err().map(|error| {
-        let good = &bytes[..error.valid_up_to()];
-        1 + good.iter().filter(|&&byte| byte == b'\n').count()
-    });
-    let text = String::from_utf8_lossy(bytes);
+    let (text, bad) = match std::str::from_utf8(bytes) {
+        Ok(text) => (Cow::Borrowed(text), None),
+        Err(error) => {
+            let good = &bytes[..error.valid_up_to()];
+            (latin1(bytes).into(), Some(1 + good.iter().filter(|&&byte| byte == b'\n').count()))
+        }
+    };
     if text.contains('\r') { (text.replace("\r\n", "\n").replace('\r', "\n").into(), bad) } else { (text, bad) }
+}
+
+/// Text whose bytes that are not UTF-8 are Latin-1.
+fn latin1(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        text.extend(chunk.invalid().iter().map(|byte| char::from(*byte)));
+    }
+    text
 }
 
 /// Lines that are neither empty nor comments; a line that ends in `\` is joined with the next.
@@ -86,9 +99,11 @@ mod tests {
         assert_eq!(all(b""), []);
     }
 
+    /// All of them became U+FFFD, so that different names were equal.
     #[test]
-    fn foreign_bytes_are_replaced_and_reported() {
-        let (text, bad) = decode(b"v 1 2 3\nusemtl K\xfcche\n");
-        assert_eq!((text.as_ref(), bad), ("v 1 2 3\nusemtl K\u{fffd}che\n", Some(2)));
+    fn names_in_latin_1_were_equal() {
+        let (text, bad) = decode(b"v 1 2 3\nusemtl K\xfcche\nusemtl K\xe4\xdf\nusemtl K\xc3\xbcche\n");
+        let expected = "v 1 2 3\nusemtl Küche\nusemtl Käß\nusemtl Küche\n";
+        assert_eq!((text.as_ref(), bad), (expected, Some(2)));
     }
 }
