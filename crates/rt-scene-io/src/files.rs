@@ -62,6 +62,14 @@ pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), LoadErrorKind> {
     }
 }
 
+/// Replaces the line ends of old Macintosh systems in a text.
+#[cfg(any(feature = "ply", feature = "stl"))]
+pub(crate) fn unify_line_ends(text: &mut [u8]) {
+    if !text.contains(&b'\n') {
+        text.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+    }
+}
+
 /// Reads a text file in UTF-8, without its byte order mark.
 ///
 /// # Errors

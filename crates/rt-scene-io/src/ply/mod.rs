@@ -21,7 +21,7 @@ use serde_ply::{DeserializeError, PlyFormat, PlyHeader, PlyReader};
 
 use self::rows::{FaceCorners, PlyVertices, Rows, STRIPS, Skipped, TriangleStrips};
 use crate::error::ErrorAt;
-use crate::files::refuse_utf16;
+use crate::files::{refuse_utf16, unify_line_ends};
 use crate::memory::{FileSample, load_within_budget};
 use crate::parser_message::plain;
 use crate::sanitize::shortened;
@@ -74,6 +74,9 @@ fn count(sample: &FileSample, name: &str) -> u64 {
 
 /// Loads the file that `bytes` hold; `path` is for messages.
 pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUvs) -> Result<Model, LoadError> {
+    if bytes.starts_with(b"ply\rformat ascii") {
+        unify_line_ends(&mut bytes);
+    }
     // The reader wants white space after the last word; behind binary data it does no harm.
     bytes.push(b'\n');
     let mut rest = bytes.as_slice();

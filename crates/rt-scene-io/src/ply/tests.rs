@@ -50,6 +50,12 @@ fn binary(big: bool) -> Vec<u8> {
     bytes
 }
 
+/// A file with the line ends of old Macintosh systems was refused.
+#[test]
+fn lines_of_text_may_end_in_carriage_returns() {
+    assert_eq!(data(&load_text(&SQUARE.replace('\n', "\r")).expect("a square")).triangles.len(), 2);
+}
+
 #[test]
 fn text_and_both_byte_orders_hold_the_same_square() {
     let text = load_text(SQUARE).expect("a square");

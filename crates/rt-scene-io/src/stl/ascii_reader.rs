@@ -5,12 +5,22 @@ use std::io::{self, Read, Seek, SeekFrom};
 /// First line of a solid, in the only form that `stl_io` reads.
 const SOLID: &[u8] = b"solid \n";
 
-/// First line of a facet that replaces one with a NaN normal, as programs write it for slivers. Normals are ignored.
+/// Line that replaces the first one of each facet. Normals are ignored, and programs write those of slivers as `nan`, `inf` or
+/// `-1.#IND`.
 const FACET: &[u8] = b"facet normal 0 0 0\n";
 
-fn has_no_normal(line: &[u8]) -> bool {
-    let begins = line.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"facet"));
-    begins && line.windows(3).any(|word| word.eq_ignore_ascii_case(b"nan"))
+/// Line that replaces the last one of a solid, which may have a name in any encoding.
+const END: &[u8] = b"endsolid\n";
+
+/// The line that replaces one of a file; `None` for those that `stl_io` reads.
+fn replacement(line: &[u8]) -> Option<&'static [u8]> {
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    let mut next_is = |word: &[u8]| words.next().is_some_and(|next| next.eq_ignore_ascii_case(word));
+    match line.trim_ascii_start().first()?.to_ascii_lowercase() {
+        b'f' => (next_is(b"facet") && next_is(b"normal")).then_some(FACET),
+        b'e' => next_is(b"endsolid").then_some(END),
+        _ => None,
+    }
 }
 
 /// True if a line begins a solid, in letters of either case.
@@ -18,14 +28,14 @@ pub(super) fn begins_solid(line: &[u8]) -> bool {
     line.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-/// Lines of a file. Each read returns one line at most; the line that begins a solid is replaced by [`SOLID`].
+/// Lines of a file. Each read returns one line at most; the lines that begin and end a solid or begin a facet are replaced.
 pub(super) struct AsciiReader<'a> {
     bytes: &'a [u8],
     /// Start of the next line.
     next: usize,
     /// Start of the lines of the solid.
     start: usize,
-    /// Remaining bytes of `SOLID` or `FACET`.
+    /// Remaining bytes of `SOLID`, `FACET` or `END`.
     head: &'static [u8],
 }
 
@@ -80,8 +90,8 @@ impl Read for AsciiReader<'_> {
             return self.head.read(buffer);
         }
         let mut line = self.next_line();
-        if has_no_normal(line) {
-            (self.next, self.head) = (self.next + line.len(), FACET);
+        if let Some(head) = replacement(line) {
+            (self.next, self.head) = (self.next + line.len(), head);
             return self.head.read(buffer);
         }
         let count = line.read(buffer)?;

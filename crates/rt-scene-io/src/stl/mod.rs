@@ -14,7 +14,7 @@ use rt_math::Vec3;
 
 use self::ascii_reader::AsciiReader;
 use crate::error::ErrorAt;
-use crate::files::refuse_utf16;
+use crate::files::{refuse_utf16, unify_line_ends};
 use crate::memory::{FileSample, load_within_budget};
 use crate::sanitize::shortened;
 use crate::{LoadError, LoadErrorKind, LoadOptions, Location, Model};
@@ -67,8 +67,11 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Model, LoadE
             }
             read_binary(bytes, &mut mesh).map_err(|error| LoadErrorKind::Syntax(error.to_string()).at(path, ""))?;
         }
-        _ if begins_as_text => read_text(&bytes, &mut mesh)
-            .map_err(|(line, message)| LoadErrorKind::Syntax(message).at(path, Location::Line(line)))?,
+        _ if begins_as_text => {
+            unify_line_ends(&mut bytes);
+            read_text(&bytes, &mut mesh)
+                .map_err(|(line, message)| LoadErrorKind::Syntax(message).at(path, Location::Line(line)))?;
+        }
         _ => {
             let rule = "is not an STL file: it is too short for a binary file and does not begin with `solid`";
             return Err(LoadErrorKind::invalid(format_args!("a file of {} bytes", bytes.len()), rule).at(path, ""));

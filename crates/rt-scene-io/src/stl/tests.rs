@@ -57,7 +57,14 @@ fn text_may_be_in_upper_case() {
 
 #[test]
 fn facets_whose_normal_is_no_number_are_as_good_as_others() {
-    for normal in ["nan nan nan", "NaN 0 1", "-nan(ind) -nan(ind) -nan(ind)"] {
+    for normal in [
+        "nan nan nan",
+        "NaN 0 1",
+        "-nan(ind) -nan(ind) -nan(ind)",
+        "-1.#IND -1.#IND -1.#IND",
+        "inf 1.#INF 0",
+        "1e999 0 0",
+    ] {
         let model = load_all(text().replace("facet normal 0 0 1", &format!("facet normal {normal}")).as_bytes());
         assert_eq!(model.expect("a square").meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
     }
@@ -67,6 +74,23 @@ fn facets_whose_normal_is_no_number_are_as_good_as_others() {
         refused(bad.as_bytes()).starts_with("m.stl:5: expected `vertex X Y Z`, found `vertex 1 0`"),
         "lines are counted on"
     );
+}
+
+/// The file was refused.
+#[test]
+fn the_name_behind_endsolid_may_be_in_any_encoding() {
+    for name in [&b"K\xf6rper"[..], b"\xff", b""] {
+        let bytes = [b"solid ", name, b"\n", FACET_TEXT.as_bytes(), b" EndSolid\t", name].concat();
+        assert_eq!(load_all(&bytes).expect("a triangle").meshes[0].mesh.data().triangles, [[0, 1, 2]]);
+    }
+}
+
+/// A file with the line ends of old Macintosh systems was one line.
+#[test]
+fn lines_may_end_in_carriage_returns() {
+    let model = load_all(text().replace('\n', "\r").as_bytes()).expect("a square");
+    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+    assert!(refused(text().replacen("outer loop", "outer", 1).replace('\n', "\r").as_bytes()).starts_with("m.stl:3: "));
 }
 
 #[test]
