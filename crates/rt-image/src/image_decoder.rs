@@ -3,10 +3,10 @@
 use std::io::{BufRead, Seek, SeekFrom};
 
 use exr::meta::MetaData;
-use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use crate::gray_exr_decoder::GrayExrDecoder;
+use crate::hdr_decoder::HdrDecoder;
 use crate::jpeg_decoder::JpegDecoder;
 
 /// Bytes that the chunks of a PNG file may take in addition to those of the file and of some rows. Colour profiles are
@@ -41,8 +41,9 @@ pub fn image_decoder<'r>(
     if format == ImageFormat::Jpeg {
         return Ok(Box::new(JpegDecoder::new(&mut *source, max_bytes)?));
     }
-    if format == ImageFormat::Hdr && source.fill_buf()?.starts_with(RGBE) {
-        return Ok(Box::new(HdrDecoder::new_nonstrict(source)?));
+    if format == ImageFormat::Hdr {
+        let is_strict = !source.fill_buf()?.starts_with(RGBE);
+        return Ok(Box::new(HdrDecoder::new(source, is_strict)?));
     }
     if format == ImageFormat::OpenExr && GrayExrDecoder::accepts(&mut source)? {
         return Ok(Box::new(GrayExrDecoder::new(source, max_bytes)?));

@@ -37,6 +37,8 @@ mod dither;
 mod exr_layers;
 #[cfg(feature = "files")]
 mod gray_exr_decoder;
+#[cfg(feature = "files")]
+mod hdr_decoder;
 mod image;
 #[cfg(feature = "files")]
 mod image_decoder;

@@ -24,7 +24,7 @@ const MAX_EXPANSION: u64 = 4096;
 /// Reads an image as linear radiance. The content of the file determines the format, not its name.
 ///
 /// PNG and JPEG are decoded as sRGB; embedded profiles are ignored. Their coverage is multiplied into the
-/// radiance. EXR, HDR and PFM are not converted.
+/// radiance. EXR and PFM are not converted. HDR is divided by the exposures and colour corrections of its header.
 ///
 /// # Errors
 /// [`ImageFileError`] with the path, for a file that is missing, not a regular file, damaged, in another format, larger
