@@ -1,7 +1,8 @@
 //! Warnings about images that are black or show no object.
 
+use rt_camera::Camera;
 use rt_check::short_number;
-use rt_math::Aabb;
+use rt_math::{Aabb, DVec2, DVec3};
 use rt_render::{RenderPlan, Rendering, Statistics};
 use rt_scene_io::{Integrator, Scene};
 
@@ -21,7 +22,7 @@ pub(crate) fn empty(scene: &Scene, plan: &RenderPlan<'_>, rendering: &Rendering,
     let integrator = scene.settings.integrator;
     let Rendering { film, statistics: Statistics { camera_hits, bad_samples, .. }, .. } = rendering;
     if *camera_hits == 0 && integrator != Integrator::Cost {
-        return Some(unseen(scene));
+        return Some(unseen(scene, plan));
     }
     if !integrator.follows_light() || !plan.has_light() {
         // `unlit` has warned already.
@@ -51,10 +52,15 @@ pub(crate) fn empty(scene: &Scene, plan: &RenderPlan<'_>, rendering: &Rendering,
     })
 }
 
-fn unseen(scene: &Scene) -> String {
+fn unseen(scene: &Scene, plan: &RenderPlan<'_>) -> String {
     let bounds = scene.bounds();
     if bounds.is_empty() {
         return "the scene has no objects: the image shows the background only".to_owned();
+    }
+    if is_in_view(scene, plan, bounds.centre()) {
+        return "no camera ray hits an object, and the image shows the background only, although the centre of the scene is in view: backs of \
+                single-sided materials and an alpha of 0 let rays through, and objects may be smaller than a pixel"
+            .to_owned();
     }
     let target = if bounds.centre().is_finite() {
         format!("--look-at {} (the centre of the scene)", centre_text(&bounds))
@@ -65,6 +71,16 @@ fn unseen(scene: &Scene) -> String {
         "no camera ray hits an object, and the image shows the background only: the camera probably looks away from the scene; try \
          {target}"
     )
+}
+
+/// True if the image shows this point when the shutter opens.
+fn is_in_view(scene: &Scene, plan: &RenderPlan<'_>, point: DVec3) -> bool {
+    let (width, height) = (scene.film.width, scene.film.height);
+    let settings = scene.cameras.iter().find(|camera| camera.name == plan.camera_name()).map(|camera| &camera.settings);
+    let camera = settings.and_then(|settings| Camera::new(settings, width, height).ok());
+    let size = DVec2::new(f64::from(width), f64::from(height));
+    let raster = camera.and_then(|camera| camera.project(point));
+    raster.is_some_and(|raster| raster.cmpge(DVec2::ZERO).all() && raster.cmple(size).all())
 }
 
 /// `X,Y,Z` of the centre, with as many digits as resolve a thousandth of the size.
@@ -87,8 +103,6 @@ fn centre_text(bounds: &Aabb) -> String {
 
 #[cfg(test)]
 mod tests {
-    use rt_math::DVec3;
-
     use super::*;
 
     #[test]

@@ -36,6 +36,33 @@ fn a_camera_that_looks_away_is_reported() {
     }
 }
 
+/// The warning was that the camera looks away.
+#[test]
+fn a_camera_that_looks_at_surfaces_without_hits_is_reported() {
+    let triangle = |material: &str| {
+        r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0, "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "m.bin"}],
+            "materials": [MATERIAL]}"#
+            .replace("MATERIAL", material)
+    };
+    let clear = r#"{"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0]}}"#;
+    for (material, z) in [("{}", -5), (clear, 5)] {
+        let place = Workplace::with("m.gltf", triangle(material));
+        let corners: [f32; 9] = [0., 0., 0., 1., 0., 0., 0., 1., 0.];
+        place.write("m.bin", corners.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>());
+        let run = |look_at: &str| {
+            let camera = format!("--look-from 0.5,0.5,{z} --look-at {look_at}");
+            place.run(&format!("render m.gltf -o a.png --size 16x12 --spp 1 {camera}"))
+        };
+        let seen = run("0.25,0.5,0");
+        assert!(seen.stderr.contains("backs of single-sided materials and an alpha of 0"), "{seen:?}");
+        let away = run("0.5,5,0");
+        assert!(away.stderr.contains("the camera probably looks away"), "{away:?}");
+    }
+}
+
 #[test]
 fn the_centre_of_a_small_scene_has_enough_digits() {
     let nodes = "nodes: [(shape: sphere(center: (3e-5, 0, 0), radius: 1e-5))]";
