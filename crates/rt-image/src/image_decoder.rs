@@ -3,9 +3,10 @@
 use std::io::{BufRead, Seek, SeekFrom};
 
 use exr::meta::MetaData;
+use image::error::DecodingError;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use crate::gray_exr_decoder::GrayExrDecoder;
+use crate::gray_exr_decoder::{GrayExrDecoder, missing_colors};
 use crate::hdr_decoder::HdrDecoder;
 use crate::jpeg_decoder::JpegDecoder;
 
@@ -47,6 +48,11 @@ pub fn image_decoder<'r>(
     }
     if format == ImageFormat::OpenExr && GrayExrDecoder::accepts(&mut source)? {
         return Ok(Box::new(GrayExrDecoder::new(source, max_bytes)?));
+    }
+    if format == ImageFormat::OpenExr
+        && let Some(message) = missing_colors(&mut source)?
+    {
+        return Err(ImageError::Decoding(DecodingError::new(format.into(), message)));
     }
     let max_bytes = if format == ImageFormat::Png { max_bytes.min(png_bytes(&mut *source)?) } else { max_bytes };
     let mut reader = ImageReader::with_format(source, format);
