@@ -120,11 +120,14 @@ impl Checkpointer {
     }
 
     /// Renames the file to the first free name of `.old`, `.old.2`, ...; `None` if that fails.
-    fn move_aside(&self) -> Option<PathBuf> {
+    fn move_aside(&mut self) -> Option<PathBuf> {
         let names = (1_u32..1000).map(|n| if n == 1 { ".old".to_owned() } else { format!(".old.{n}") });
         let mut paths = names.map(|suffix| with_suffix(&self.file, &suffix));
         let free = paths.find(|path| path.symlink_metadata().is_err())?;
-        fs::rename(&self.file, &free).ok().map(|()| free)
+        fs::rename(&self.file, &free).ok()?;
+        // The moved file is no longer of this render.
+        self.held = None;
+        Some(free)
     }
 
     fn foreign(&self, label: Label, advice: &'static str) -> ArtifactError {
@@ -148,9 +151,9 @@ impl Checkpointer {
     }
 
     fn write(&mut self, kept: &CheckpointRef<'_>) -> Result<(), String> {
-        // Another render may have written it since this one began.
-        if self.held.is_none() {
-            self.lock().map_err(|error| error.to_string())?;
+        // Its checkpoint stays even after its end, so that it can be resumed.
+        if cfg!(unix) && self.file.is_file() && !self.is_held() {
+            return Err("another render has written this file since this one began".to_owned());
         }
         let file = output::write_over_link(&self.file, |file| checkpoint_format::write(file, &self.label, kept))?;
         self.held = cfg!(unix).then_some(file);
@@ -160,7 +163,7 @@ impl Checkpointer {
     /// Locks the file on disk, if there is one.
     ///
     /// # Errors
-    /// [`ArtifactError::InUse`] if another render holds the lock. Systems without locks give none.
+    /// [`ArtifactError::InUse`] if another render holds the lock, or has just replaced the file. Systems without locks give none.
     fn lock(&self) -> Result<Option<File>, ArtifactError> {
         // Opening a pipe would block.
         if !cfg!(unix) || !self.file.metadata().is_ok_and(|metadata| metadata.is_file()) {
@@ -169,8 +172,14 @@ impl Checkpointer {
         let Ok(file) = File::open(&self.file) else { return Ok(None) };
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => Err(ArtifactError::InUse(self.file.clone())),
+            _ if !is_named(&file, &self.file) => Err(ArtifactError::InUse(self.file.clone())),
             _ => Ok(Some(file)),
         }
+    }
+
+    /// True if the locked file has the name of the checkpoint. Other renders may have replaced it.
+    fn is_held(&self) -> bool {
+        self.held.as_ref().is_some_and(|held| is_named(held, &self.file))
     }
 
     /// Writes the last checkpoint, if need be to a fallback directory.
@@ -190,7 +199,7 @@ impl Checkpointer {
     /// Removes the checkpoint of a finished render. A failure is harmless: `--resume` would find all tiles finished.
     pub(crate) fn remove(&self) {
         // Otherwise the file, if there is one, is that of another render.
-        if self.held.is_some() || !cfg!(unix) {
+        if self.is_held() || !cfg!(unix) {
             let _ = fs::remove_file(&self.file);
         }
     }
@@ -199,6 +208,21 @@ impl Checkpointer {
 /// True for a checkpoint that cannot be continued, and is kept for the user.
 const fn is_unusable(error: &ArtifactError) -> bool {
     matches!(error, ArtifactError::Damaged(_) | ArtifactError::Version { .. } | ArtifactError::Content { .. })
+}
+
+/// True if the path leads to this open file.
+#[cfg(unix)]
+fn is_named(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+
+    let named = path.metadata().and_then(|named| Ok((named, file.metadata()?)));
+    named.is_ok_and(|(named, open)| (named.dev(), named.ino()) == (open.dev(), open.ino()))
+}
+
+/// Open files cannot be replaced on this system.
+#[cfg(not(unix))]
+const fn is_named(_file: &File, _path: &Path) -> bool {
+    true
 }
 
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {

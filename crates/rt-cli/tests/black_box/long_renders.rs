@@ -350,6 +350,38 @@ fn two_renders_do_not_share_a_checkpoint() {
     assert!(place.path("scene.exr.checkpoint").exists());
 }
 
+/// The first render has moved an older checkpoint aside and is stopped, while the second one leaves its own.
+#[test]
+#[cfg(unix)]
+fn a_render_keeps_the_checkpoint_of_another_one() {
+    for (spp, code) in [("--spp 24", 0), ("--spp 2400", 130)] {
+        let (place, kept) = interrupted_place();
+        fs::create_dir(place.path("refuge")).expect("created");
+        let first = LONG.replace("--spp 24", spp);
+        let first = place.spawn(&format!("{first} --seed 7 --checkpoint-every never --fallback-dir refuge"));
+        wait_until("the older checkpoint", || place.path("scene.exr.checkpoint.old").exists());
+        signal(&first, "STOP");
+        let second = place.spawn(&format!("{LONG} --seed 8 --checkpoint-every 1ms"));
+        wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
+        signal(&second, "INT");
+        assert_eq!(Run::end(second).code, Some(130));
+        let of_second = place.read("scene.exr.checkpoint");
+        // The file that was moved aside is in use by no render.
+        assert!(place.read("scene.exr.checkpoint.old") == kept);
+        place.succeed(&format!("{LONG} --resume --checkpoint scene.exr.checkpoint.old"));
+
+        if code == 130 {
+            signal(&first, "INT");
+        }
+        signal(&first, "CONT");
+        let run = Run::end(first);
+        assert_eq!(run.code, Some(code), "{run:?}");
+        assert!(place.read("scene.exr.checkpoint") == of_second, "{run:?}");
+        assert_eq!(run.stderr.contains("; --resume --checkpoint refuge/rt-cli-"), code == 130, "{run:?}");
+        place.succeed(&format!("{LONG} --seed 8 --resume"));
+    }
+}
+
 #[test]
 fn resume_without_a_checkpoint_begins() {
     let place = Workplace::with_scene();
