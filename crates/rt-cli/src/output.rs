@@ -26,6 +26,8 @@ pub(crate) struct OutputFile {
     target: PathBuf,
     folder: PathBuf,
     destination: Destination,
+    /// True for a text, of which a pipe may take the start only.
+    is_text: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,11 +76,17 @@ impl OutputFile {
                 target: PathBuf::from("stdout"),
                 folder: env::temp_dir(),
                 destination: Destination::Stdout,
+                is_text: false,
             });
         }
         if is_null_device(path) {
-            let path = path.to_owned();
-            return Ok(Self { target: path.clone(), path, folder: env::temp_dir(), destination: Destination::Null });
+            return Ok(Self {
+                path: path.to_owned(),
+                target: path.to_owned(),
+                folder: env::temp_dir(),
+                destination: Destination::Null,
+                is_text: false,
+            });
         }
         if target.file_name().is_none() {
             return Err(OutputError::NoName(path.to_owned()));
@@ -104,10 +112,21 @@ impl OutputFile {
         match tempfile::tempfile_in(folder) {
             Ok(_) => {
                 clear_away(folder, &target);
-                Ok(Self { path: path.to_owned(), folder: folder.to_owned(), target, destination: Destination::File })
+                Ok(Self {
+                    path: path.to_owned(),
+                    folder: folder.to_owned(),
+                    target,
+                    destination: Destination::File,
+                    is_text: false,
+                })
             }
             Err(source) => Err(OutputError::Folder { path: path.to_owned(), folder: folder.to_owned(), source }),
         }
+    }
+
+    /// Output for a text. A broken pipe is then not an error: its reader has read enough.
+    pub(crate) fn for_text(self) -> Self {
+        Self { is_text: true, ..self }
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -137,7 +156,7 @@ impl OutputFile {
     ) -> Result<(), OutputError> {
         let written = match self.destination {
             Destination::File => write_atomically(&self.target, &self.folder, content).map(drop),
-            Destination::Stdout => write_to_stdout(content),
+            Destination::Stdout => write_to_stdout(content, self.is_text),
             Destination::Null => anonymous(content).map(drop),
         };
         written.map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
@@ -210,14 +229,17 @@ fn anonymous<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Resu
     Ok(file)
 }
 
-/// Writes complete content to standard output. A broken pipe is not an error.
-fn write_to_stdout<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<(), String> {
+/// Writes complete content to standard output. A broken pipe is not an error for a text.
+fn write_to_stdout<E: Display>(
+    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+    is_text: bool,
+) -> Result<(), String> {
     let mut file = anonymous(content)?;
     let mut stdout = io::stdout().lock();
     let copied = file.rewind().and_then(|()| io::copy(&mut file, &mut stdout)).and_then(|_| stdout.flush());
     match copied {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.to_string()),
-        _ => Ok(()),
+        Err(error) if is_text && error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        copied => copied.map_err(|error| error.to_string()),
     }
 }
 

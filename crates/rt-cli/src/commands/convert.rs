@@ -39,7 +39,7 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
         return Err(CliError::Usage(message.to_owned()));
     }
     refuse_options_of_renders(&args.input)?;
-    let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?;
+    let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?.for_text();
     let Converted { text, warnings, notes } = convert(&args.input.scene, &name, &input::load_options(&args.input)?)?;
     let console = Console { quiet: args.quiet };
     input::warn(&warnings, console);

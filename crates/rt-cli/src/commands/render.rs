@@ -77,6 +77,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         OutputKind::Shard => OutputFile::prepare_over_link(&path, &files)?,
     };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
+    let stats = stats.map(OutputFile::for_text);
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
         return Err(CliError::Usage("--output and --stats have the same file; choose another name for one".to_owned()));
     }

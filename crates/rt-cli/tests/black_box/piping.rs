@@ -169,21 +169,44 @@ fn images_are_developed_compared_merged_and_converted_through_pipes() {
 
 /// `rt-cli ... | head -c 10` ends quietly, and leaves its files.
 #[test]
-fn a_broken_pipe_is_no_failure() {
+fn a_broken_pipe_is_no_failure_for_texts() {
     let place = Workplace::with_scene();
-    for arguments in [
-        "render scene.ron -o - --quiet",
-        "render scene.ron --stats - --quiet",
-        "render scene.ron -o report.png",
-        "convert scene.ron -o -",
-        "schema",
-    ] {
+    for arguments in
+        ["render scene.ron --stats - --quiet", "render scene.ron -o report.png", "convert scene.ron -o -", "schema"]
+    {
         let mut child = place.spawn(arguments);
         drop(child.stdout.take());
         let run = Run::end(child);
         assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{arguments}");
     }
     assert_eq!(place.files(), ["report.png", "scene.png", "scene.ron"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_image_that_a_broken_pipe_loses_goes_to_the_fallback() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron -o file.png --size 160x120");
+    place.succeed("render scene.ron -o file.part --size 160x120 --shard 1/2");
+    for (file, options) in [("file.png", ""), ("file.part", "--shard 1/2")] {
+        std::fs::create_dir(place.path("refuge")).expect("created");
+        let command = "render scene.ron -o - --size 160x120 --checkpoint kept --checkpoint-every 1ms";
+        let mut child = place.spawn(&format!("{command} --fallback-dir refuge {options}"));
+        drop(child.stdout.take());
+        let run = Run::end(child);
+        assert_eq!(run.code, Some(4), "{options}: {run:?}");
+        let message = "cannot write `standard output`: Broken pipe (os error 32); it was saved as `refuge/rt-cli-";
+        assert!(run.stderr.contains(message) && !run.stderr.contains("wrote "), "{options}: {run:?}");
+        let saved = std::fs::read_dir(place.path("refuge")).expect("there").next().expect("saved").expect("a file");
+        if options.is_empty() {
+            assert!(std::fs::read(saved.path()).expect("there") == place.read(file));
+        }
+        std::fs::remove_file(place.path("kept")).expect("the checkpoint stays");
+        std::fs::remove_dir_all(place.path("refuge")).expect("removed");
+    }
+    let mut child = place.spawn("develop file.png -o -");
+    drop(child.stdout.take());
+    assert_eq!(Run::end(child).code, Some(4));
 }
 
 #[test]
