@@ -18,12 +18,14 @@ mod view;
 
 use crate::args::{Cli, Command};
 use crate::error::CliError;
+use crate::signals;
 
 pub(crate) fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         None if cli.limits => limits::run(),
         None => showcase::run(),
         Some(Command::Render(mut args)) => {
+            signals::end_render_on_signals();
             args.input.take_stdin()?;
             render::run(&args)
         }

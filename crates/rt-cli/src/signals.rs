@@ -6,6 +6,8 @@
 //! | SIGTERM, SIGHUP | ends the render and saves it, even if repeated | ends the program |
 //! | SIGXFSZ | has no effect: a write beyond the limit of `ulimit -f` returns an error | the same |
 //!
+//! `render` handles signals from its start, so that the exit code is the same while it loads the scene.
+//!
 //! `timeout` and shells send a signal twice: to the program and to its process group. A repeated signal therefore does not end the
 //! program at once, unless it is a late SIGINT.
 
@@ -14,8 +16,8 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use crate::console::print_to_terminal;
-use crate::error::INTERRUPTED_EXIT_CODE;
+use crate::console::{print_error, print_to_terminal};
+use crate::error::{CliError, INTERRUPTED_EXIT_CODE};
 
 /// Further SIGINTs within this time of the first count as the same.
 const SAME_INTERRUPT: Duration = Duration::from_millis(500);
@@ -23,19 +25,32 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Number of live [`SignalGuard`]s.
 static GUARDS: AtomicUsize = AtomicUsize::new(0);
+/// True in a render that has not had a guard.
+static IS_BEFORE_RENDER: AtomicBool = AtomicBool::new(false);
 
 /// Signals only set a flag while the guard lives, except for a second SIGINT half a second after the first.
 pub(crate) fn guard() -> SignalGuard {
-    static INSTALLED: Once = Once::new();
     GUARDS.fetch_add(1, Ordering::Relaxed);
-    INSTALLED.call_once(install);
+    IS_BEFORE_RENDER.store(false, Ordering::Relaxed);
+    install_once();
     SignalGuard(())
+}
+
+/// Lets signals before the first guard end the program with the message and the exit code of an interrupted render.
+pub(crate) fn end_render_on_signals() {
+    IS_BEFORE_RENDER.store(true, Ordering::Relaxed);
+    install_once();
 }
 
 /// Lets signals end the program, even if the parent process ignores SIGINT, as shells do for jobs in the background.
 #[cfg(feature = "view")]
 pub(crate) fn end_on_signals() {
-    drop(guard());
+    install_once();
+}
+
+fn install_once() {
+    static INSTALLED: Once = Once::new();
+    INSTALLED.call_once(install);
 }
 
 /// Lets writes beyond the file-size limit fail with an error. By default, SIGXFSZ ends the program without a message.
@@ -78,6 +93,9 @@ fn end() -> ! {
 /// Sets the flag; ends the program without a guard.
 fn interrupt() {
     if GUARDS.load(Ordering::Relaxed) == 0 {
+        if IS_BEFORE_RENDER.load(Ordering::Relaxed) {
+            print_error(&CliError::interrupted_at_once());
+        }
         end();
     }
     INTERRUPTED.store(true, Ordering::Relaxed);

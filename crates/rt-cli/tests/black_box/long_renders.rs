@@ -1,6 +1,7 @@
 //! Interrupted, killed and resumed renders, and unwritable outputs.
 
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -65,6 +66,27 @@ fn sigterm_interrupts_as_well() {
     // A stop rule knows no total.
     assert!(run.stderr.contains(" samples per pixel; the image was written to scene.exr"), "{run:?}");
     assert_eq!(place.files(), ["scene.exr", "scene.exr.checkpoint", "scene.ron"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_while_the_scene_is_read_has_the_exit_code_of_interrupts() {
+    let place = Workplace::new();
+    for name in ["TERM", "INT", "HUP"] {
+        let mut command = Command::new("env");
+        command.arg("--default-signal=HUP").arg(env!("CARGO_BIN_EXE_rt-cli")).args(["render", "-", "-o", "a.png"]);
+        command.current_dir(place.path("")).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        // More than a pipe holds, so that the program has begun to read. It waits for the rest.
+        let mut stdin = child.stdin.take().expect("a pipe");
+        stdin.write_all(&[b' '; 1 << 20]).expect("written");
+        signal(&child, name);
+        let run = Run::end(child);
+        let message = "error: interrupted after 0.0 % of the samples; no image was written\n";
+        assert_eq!((run.code, run.stderr.as_str()), (Some(130), message), "{name}");
+        drop(stdin);
+    }
+    assert!(place.files().is_empty());
 }
 
 #[test]
