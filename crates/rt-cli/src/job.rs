@@ -128,23 +128,19 @@ impl Job<'_> {
         if stopped == Stopped::Interrupted && rendering.samples_per_pixel.max == 0 {
             return Err(self.nothing_finished(kept));
         }
-        results.extend(self.write_images(&plan, &mut rendering, &fallback_dirs));
+        results.push(self.write_image(&rendering, &fallback_dirs));
+        let is_interrupted = stopped == Stopped::Interrupted;
+        if is_interrupted {
+            // Before the layers, which may take long.
+            results.push(self.write_stats(&self.outcome(&plan, &rendering, written), &fallback_dirs));
+        }
+        results.extend(self.write_aovs(&plan, &mut rendering, &fallback_dirs));
         if let Some(display) = display {
             display.finish(&rendering.film);
         }
-        let outcome = Outcome {
-            scene_file: self.scene_file,
-            scene: self.scene,
-            options: &self.options,
-            plan: &plan,
-            rendering: &rendering,
-            rule: self.rule,
-            load_seconds: self.load_seconds,
-            output_seconds: written.elapsed().as_secs_f64(),
-        };
-        if let Some(stats) = &self.stats {
-            let json = stats::json(&outcome);
-            results.push(stats.write_with_fallback(&fallback_dirs, |file| writeln!(file, "{json:#}")));
+        let outcome = self.outcome(&plan, &rendering, written);
+        if !is_interrupted {
+            results.push(self.write_stats(&outcome, &fallback_dirs));
         }
         let written_all = write_all(results);
         if let (Err(_), Some(Ok(checkpoint))) = (&written_all, &kept) {
@@ -152,7 +148,7 @@ impl Job<'_> {
         }
         written_all?;
         let image = is_written.then(|| self.output.file().path().to_owned());
-        if stopped == Stopped::Interrupted {
+        if is_interrupted {
             let after = self.work_done(&plan, &rendering);
             return Err(CliError::Interrupted { after, image, checkpoint: kept });
         }
@@ -204,17 +200,39 @@ impl Job<'_> {
         }
     }
 
-    /// Writes the image and its per-pixel outputs.
-    fn write_images(
+    fn outcome<'b>(&'b self, plan: &'b RenderPlan<'_>, rendering: &'b Rendering, written: Instant) -> Outcome<'b> {
+        Outcome {
+            scene_file: self.scene_file,
+            scene: self.scene,
+            options: &self.options,
+            plan,
+            rendering,
+            rule: self.rule,
+            load_seconds: self.load_seconds,
+            output_seconds: written.elapsed().as_secs_f64(),
+        }
+    }
+
+    fn write_stats(&self, outcome: &Outcome<'_>, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
+        let Some(stats) = &self.stats else { return Ok(()) };
+        let json = stats::json(outcome);
+        stats.write_with_fallback(fallback_dirs, |file| writeln!(file, "{json:#}"))
+    }
+
+    fn write_image(&self, rendering: &Rendering, fallback_dirs: &[PathBuf]) -> Result<(), OutputError> {
+        let JobOutput::Image { format, file, .. } = &self.output else { return Ok(()) };
+        let development = &self.scene.film.development;
+        file.write_with_fallback(fallback_dirs, |file| write_image(&rendering.film, development, *format, file))
+    }
+
+    /// Writes the files of `--aov`.
+    fn write_aovs(
         &self,
         plan: &RenderPlan<'_>,
         rendering: &mut Rendering,
         fallback_dirs: &[PathBuf],
     ) -> Vec<Result<(), OutputError>> {
-        let JobOutput::Image { format, file, aovs } = &self.output else { return Vec::new() };
-        let development = &self.scene.film.development;
-        let image =
-            file.write_with_fallback(fallback_dirs, |file| write_image(&rendering.film, development, *format, file));
+        let JobOutput::Image { aovs, .. } = &self.output else { return Vec::new() };
         let completed = plan.complete_layers(rendering, self.threads);
         let attributes = self.attributes(plan, rendering);
         let write = |aov: &AovFile| match &completed {
@@ -223,7 +241,7 @@ impl Job<'_> {
             }
             _ => aov.write(rendering, &attributes, fallback_dirs),
         };
-        core::iter::once(image).chain(aovs.iter().map(write)).collect()
+        aovs.iter().map(write).collect()
     }
 
     /// Texts that describe the render in files with layers.

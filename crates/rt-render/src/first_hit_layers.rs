@@ -103,7 +103,7 @@ pub struct FilmLayers {
     /// True if pixels have the samples of the plan, and not those of a stop rule.
     is_fixed: bool,
     values: Vec<LayerValues>,
-    /// Flags of the tiles that have values.
+    /// Flags of the tiles that have values or are left out.
     filled: Vec<bool>,
 }
 
@@ -135,7 +135,14 @@ impl FilmLayers {
         self.values.iter().map(|values| values.layer).collect()
     }
 
-    /// Indices of the tiles without values.
+    /// Leaves out tiles by index: their values stay zero.
+    pub(crate) fn leave_out(&mut self, is_left_out: impl Fn(usize) -> bool) {
+        for (number, filled) in self.filled.iter_mut().enumerate() {
+            *filled |= is_left_out(number);
+        }
+    }
+
+    /// Indices of the tiles without values that are not left out.
     pub(crate) fn missing_tiles(&self) -> Vec<usize> {
         (0..self.filled.len()).filter(|&number| !self.filled[number]).collect()
     }

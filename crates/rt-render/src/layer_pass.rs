@@ -38,8 +38,8 @@ impl RenderPlan<'_> {
         Ok(film.into_values())
     }
 
-    /// Computes the [layers](Rendering::layers) of tiles that have none. These are all tiles of a render pass by pass, and
-    /// otherwise those from a checkpoint, or unfinished.
+    /// Computes the [layers](Rendering::layers) of rendered tiles that have none. These are all tiles of a render pass by pass,
+    /// and otherwise those from a checkpoint. Unfinished tiles of an interrupted render stay zero, as in the image.
     ///
     /// # Errors
     /// [`RenderError::LostTiles`] after a panic, which only a defect can cause.

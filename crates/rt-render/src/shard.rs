@@ -266,7 +266,7 @@ impl Shard {
         film
     }
 
-    /// Image, statistics and error estimate of the shard; unfinished tiles are black.
+    /// Image, statistics and error estimate of the shard; unfinished tiles are black. After an interruption, layers leave them out.
     pub fn into_rendering(mut self) -> Rendering {
         let Crop { width, height, .. } = self.layout.crop;
         let finished = || self.tiles.values();
@@ -276,6 +276,9 @@ impl Shard {
         let mean = finished().map(|tile| tile.samples).sum::<u64>() as f64 / pixels.max(1) as f64;
         let error = ErrorSums::merged(finished().map(|tile| tile.error)).estimate();
         let mut film = Image::new(width, height, self.layout.transparent);
+        if let (Some(layers), Stopped::Interrupted) = (&mut self.layers, self.stopped) {
+            layers.leave_out(|number| !self.tiles.contains_key(&(number as u32)));
+        }
         let constant = |value: f32| {
             let mut map = Image::new(width, height, false);
             map.pixels_mut().fill([value; 3]);

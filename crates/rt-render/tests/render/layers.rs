@@ -302,7 +302,15 @@ fn layers_of_resumed_renders_are_those_of_whole_ones() {
         let of = |rendering: &Rendering| rendering.layers.clone().expect("layers were asked for");
         assert!(of(&rendering).values() != expected, "{integrator:?} was not interrupted");
         plan.complete_layers(&mut rendering, 1).expect("threads");
-        assert!(of(&rendering).values() == expected, "{integrator:?}, interrupted");
+        // The layers of unfinished tiles were computed as well, which takes long.
+        let depth = |layers: &[LayerValues]| {
+            let depth = layers.iter().find(|values| values.layer == FirstHitLayer::Depth).expect("all layers");
+            depth.channels[0].clone()
+        };
+        let (some, all) = (depth(of(&rendering).values()), depth(&expected));
+        assert!(some.iter().zip(&all).all(|(some, all)| *some == 0.0 || some == all), "{integrator:?}");
+        let count = some.iter().filter(|depth| **depth != 0.0).count();
+        assert!(0 < count && count < all.len(), "{integrator:?}: {count} of {}", all.len());
         let checkpoint = postcard::from_bytes(&checkpoint).expect("read");
         let resumed = plan.render_shard(&run, None, Some(checkpoint), |_| {}).expect("it renders");
         let mut rendering = resumed.into_rendering();
