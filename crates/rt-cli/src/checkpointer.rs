@@ -1,7 +1,7 @@
 //! Checkpoints: periodic snapshots of an unfinished render.
 
 use std::fs::{self, File, TryLockError};
-use std::io::BufWriter;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -191,7 +191,7 @@ impl Checkpointer {
         let Err(reason) = self.write(kept) else {
             return Ok(SavedCheckpoint { file: self.file.clone(), is_elsewhere: false });
         };
-        let write = |file: &mut BufWriter<&mut File>| checkpoint_format::write(file, &self.label, kept);
+        let write = |file: &mut dyn Write| checkpoint_format::write(file, &self.label, kept);
         let file = output::write_elsewhere(&self.file, fallback_dirs, write).ok_or(reason)?;
         Ok(SavedCheckpoint { file, is_elsewhere: true })
     }

@@ -1,6 +1,5 @@
 //! A render from a loaded scene to a finished file and its report.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;

@@ -7,7 +7,7 @@ use std::env;
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, ErrorKind, IsTerminal, Seek, Write};
+use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -74,7 +74,7 @@ impl OutputFile {
             return Ok(Self {
                 path: PathBuf::from(STDOUT),
                 target: PathBuf::from("stdout"),
-                folder: env::temp_dir(),
+                folder: PathBuf::new(),
                 destination: Destination::Stdout,
                 is_text: false,
             });
@@ -83,7 +83,7 @@ impl OutputFile {
             return Ok(Self {
                 path: path.to_owned(),
                 target: path.to_owned(),
-                folder: env::temp_dir(),
+                folder: PathBuf::new(),
                 destination: Destination::Null,
                 is_text: false,
             });
@@ -152,12 +152,12 @@ impl OutputFile {
 
     pub(crate) fn write<E: Display>(
         &self,
-        content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+        content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     ) -> Result<(), OutputError> {
         let written = match self.destination {
             Destination::File => write_atomically(&self.target, &self.folder, content).map(drop),
             Destination::Stdout => write_to_stdout(content, self.is_text),
-            Destination::Null => anonymous(content).map(drop),
+            Destination::Null => content(&mut io::sink()).map_err(|error| error.to_string()),
         };
         written.map_err(|reason| OutputError::Write { path: self.path.clone(), reason })
     }
@@ -169,7 +169,7 @@ impl OutputFile {
     pub(crate) fn write_with_fallback<E: Display>(
         &self,
         fallback_dirs: &[PathBuf],
-        content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
+        content: impl Fn(&mut dyn Write) -> Result<(), E>,
     ) -> Result<(), OutputError> {
         let Err(original) = self.write(&content) else { return Ok(()) };
         match write_elsewhere(&self.target, fallback_dirs, content) {
@@ -219,27 +219,17 @@ pub(crate) fn refuse_terminal(path: &Path) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Temporary file without a name.
-fn anonymous<E: Display>(content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>) -> Result<File, String> {
-    let mut file = tempfile::tempfile().map_err(|error| error.to_string())?;
-    let mut writer = BufWriter::new(&mut file);
-    content(&mut writer).map_err(|error| error.to_string())?;
-    writer.flush().map_err(|error| error.to_string())?;
-    drop(writer);
-    Ok(file)
-}
-
 /// Writes complete content to standard output. A broken pipe is not an error for a text.
 fn write_to_stdout<E: Display>(
-    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     is_text: bool,
 ) -> Result<(), String> {
-    let mut file = anonymous(content)?;
+    let mut bytes = Vec::new();
+    content(&mut bytes).map_err(|error| error.to_string())?;
     let mut stdout = io::stdout().lock();
-    let copied = file.rewind().and_then(|()| io::copy(&mut file, &mut stdout)).and_then(|_| stdout.flush());
-    match copied {
+    match stdout.write_all(&bytes).and_then(|()| stdout.flush()) {
         Err(error) if is_text && error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        copied => copied.map_err(|error| error.to_string()),
+        written => written.map_err(|error| error.to_string()),
     }
 }
 
@@ -247,7 +237,7 @@ fn write_to_stdout<E: Display>(
 /// has locks.
 pub(crate) fn write_over_link<E: Display>(
     target: &Path,
-    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
 ) -> Result<File, String> {
     write_atomically(target, folder_of(target), content)
 }
@@ -257,7 +247,7 @@ pub(crate) fn write_over_link<E: Display>(
 pub(crate) fn write_elsewhere<E: Display>(
     target: &Path,
     fallback_dirs: &[PathBuf],
-    content: impl Fn(&mut BufWriter<&mut File>) -> Result<(), E>,
+    content: impl Fn(&mut dyn Write) -> Result<(), E>,
 ) -> Option<PathBuf> {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     let write_to = |dir: &PathBuf| {
@@ -282,7 +272,7 @@ fn folder_of(path: &Path) -> &Path {
 
 fn fill<E: Display>(
     file: &mut NamedTempFile,
-    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
 ) -> Result<(), String> {
     let mut writer = BufWriter::new(file.as_file_mut());
     content(&mut writer).map_err(|error| error.to_string())?;
@@ -292,7 +282,7 @@ fn fill<E: Display>(
 fn write_atomically<E: Display>(
     target: &Path,
     folder: &Path,
-    content: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
+    content: impl FnOnce(&mut dyn Write) -> Result<(), E>,
 ) -> Result<File, String> {
     let mut file = temporary_file(folder, target).map_err(|error| error.to_string())?;
     fill(&mut file, content)?;
@@ -377,7 +367,7 @@ fn clear_away(folder: &Path, target: &Path) {
 mod tests {
     use super::*;
 
-    fn text(text: &str) -> impl Fn(&mut BufWriter<&mut File>) -> io::Result<()> {
+    fn text(text: &str) -> impl Fn(&mut dyn Write) -> io::Result<()> {
         move |file| file.write_all(text.as_bytes())
     }
 

@@ -1,6 +1,5 @@
 //! `convert`: writes a scene file.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::slice;
 

@@ -1,6 +1,6 @@
 //! `man`: manual pages from the texts of `--help`.
 
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 
 use clap::{Command, CommandFactory};

@@ -117,6 +117,18 @@ fn the_null_device_takes_images_and_statistics() {
 }
 
 #[test]
+#[cfg(unix)]
+fn standard_output_and_the_null_device_need_no_temporary_directory() {
+    let place = Workplace::with_scene();
+    for options in ["-o -", "-o - --shard 1/2", "-o /dev/null", "-o /dev/null --output-format exr --stats -"] {
+        let mut command = place.command(&format!("render scene.ron {options}"));
+        let output = command.env("TMPDIR", place.path("missing")).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(0), "{options}: {}", stderr(&output));
+    }
+    assert_eq!(place.files(), ["scene.ron"]);
+}
+
+#[test]
 fn statistics_go_to_standard_output() {
     let place = Workplace::with_scene();
     let piped = succeed(&place, b"", "render scene.ron --stats -");

@@ -1,7 +1,6 @@
 //! Report of an experiment: text, CSV, JSON, plot and HTML page.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use rt_image::{Development, ImageFormat, write_image};
