@@ -124,6 +124,12 @@ impl OutputFile {
         }
     }
 
+    /// Output whose content has this extension, for a fallback file in place of standard output.
+    pub(crate) fn with_extension(self, extension: &str) -> Self {
+        let target = if self.is_stdout() { self.target.with_extension(extension) } else { self.target };
+        Self { target, ..self }
+    }
+
     /// Output for a text. A broken pipe is then not an error: its reader has read enough.
     pub(crate) fn for_text(self) -> Self {
         Self { is_text: true, ..self }
@@ -249,7 +255,7 @@ pub(crate) fn write_elsewhere<E: Display>(
     fallback_dirs: &[PathBuf],
     content: impl Fn(&mut dyn Write) -> Result<(), E>,
 ) -> Option<PathBuf> {
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let name = short_name(target);
     let write_to = |dir: &PathBuf| {
         let suffix = format!("-{name}{UNFINISHED}");
         let mut builder = tempfile::Builder::new();
@@ -308,17 +314,33 @@ fn replace(target: &Path, file: NamedTempFile) -> io::Result<File> {
 /// Extension of unfinished files.
 const UNFINISHED: &str = ".unfinished";
 
-/// Prefix of the unfinished files of `target`. Of a long name it has the start: with what is added, it must stay within the limit of
-/// file systems.
+/// Length in bytes up to which a name is kept whole: with what is added, it must stay within the limit of file systems.
+const LIMIT: usize = 200;
+
+/// Start of a name that is too long. A character takes at most four bytes.
+fn start_of(name: &OsStr) -> String {
+    name.to_string_lossy().chars().take(LIMIT / 4).collect()
+}
+
+/// Name of `target` in a fallback directory: of a long one, the start and the extension.
+fn short_name(target: &Path) -> String {
+    let name = target.file_name().unwrap_or_default();
+    let whole = name.to_string_lossy();
+    if whole.len() <= LIMIT {
+        return whole.into_owned();
+    }
+    let extension = target.extension().map(OsStr::to_string_lossy).filter(|extension| extension.len() <= LIMIT / 10);
+    extension.map_or_else(|| start_of(name), |extension| format!("{}.{extension}", start_of(name)))
+}
+
+/// Prefix of the unfinished files of `target`; of a long name, it has the start.
 fn unfinished_name(target: &Path) -> OsString {
-    const LIMIT: usize = 200;
     let name = target.file_name().unwrap_or_default();
     let mut prefix = OsString::from(".");
     if name.len() <= LIMIT {
         prefix.push(name);
     } else {
-        // A character takes at most four bytes.
-        prefix.push(name.to_string_lossy().chars().take(LIMIT / 4).collect::<String>());
+        prefix.push(start_of(name));
     }
     prefix.push("-");
     prefix
@@ -471,6 +493,32 @@ mod tests {
         let path = folder.path().join(format!("{}é.txt", "a".repeat(240)));
         prepare(&path).expect("a file name").write(text("short")).expect("written");
         assert_eq!(fs::read_to_string(&path).expect("there"), "short");
+    }
+
+    #[test]
+    fn fallback_files_of_long_names_are_short_and_keep_the_extension() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let dirs = [folder.path().to_owned()];
+        for (name, extension) in [
+            (format!("{}.png", "a".repeat(251)), Some("png")),
+            (format!("{}.exr.checkpoint", "é".repeat(110)), Some("checkpoint")),
+            (format!("a.{}", "b".repeat(250)), None),
+        ] {
+            let rescued = write_elsewhere(Path::new(&name), &dirs, text("rescued")).expect("written");
+            let found = rescued.extension().and_then(OsStr::to_str);
+            assert_eq!(found.filter(|extension| extension.len() < 20), extension, "{name}");
+        }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn fallback_files_of_names_that_are_not_text_are_written() {
+        use std::os::unix::ffi::OsStrExt;
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = [&[0xff; 190][..], b".png"].concat();
+        let target = Path::new(OsStr::from_bytes(&name));
+        let rescued = write_elsewhere(target, &[folder.path().to_owned()], text("rescued")).expect("written");
+        assert_eq!(rescued.extension().and_then(OsStr::to_str), Some("png"));
     }
 
     #[test]

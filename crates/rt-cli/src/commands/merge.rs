@@ -18,7 +18,7 @@ use crate::{image_file, memory, report, settings};
 pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {
     let console = Console { quiet: args.quiet };
     let format = image_file::chosen_format(&args.output, args.output_format)?;
-    let output = OutputFile::prepare(&args.output, &args.shards)?;
+    let output = OutputFile::prepare(&args.output, &args.shards)?.with_extension(image_file::extension_of(format));
     let aovs = AovFile::prepare_all(&args.aov, &args.shards, &[&output])?;
 
     let (label, shards) = read(&args.shards, args.memory.limit())?;

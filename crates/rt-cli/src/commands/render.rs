@@ -73,11 +73,13 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let (scene, options) = settings::resolve(scene, overrides)?;
 
     let file = match kind {
-        OutputKind::Image(_) => OutputFile::prepare(&path, &files)?,
-        OutputKind::Shard => OutputFile::prepare_over_link(&path, &files)?,
+        OutputKind::Image(format) => {
+            OutputFile::prepare(&path, &files)?.with_extension(image_file::extension_of(format))
+        }
+        OutputKind::Shard => OutputFile::prepare_over_link(&path, &files)?.with_extension(PART),
     };
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
-    let stats = stats.map(OutputFile::for_text);
+    let stats = stats.map(|stats| stats.for_text().with_extension("json"));
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
         return Err(CliError::Usage("--output and --stats have the same file; choose another name for one".to_owned()));
     }

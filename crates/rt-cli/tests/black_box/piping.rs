@@ -210,6 +210,7 @@ fn an_image_that_a_broken_pipe_loses_goes_to_the_fallback() {
         let message = "cannot write `standard output`: Broken pipe (os error 32); it was saved as `refuge/rt-cli-";
         assert!(run.stderr.contains(message) && !run.stderr.contains("wrote "), "{options}: {run:?}");
         let saved = std::fs::read_dir(place.path("refuge")).expect("there").next().expect("saved").expect("a file");
+        assert!(saved.path().extension().is_some_and(|extension| file.ends_with(extension.to_str().expect("text"))));
         if options.is_empty() {
             assert!(std::fs::read(saved.path()).expect("there") == place.read(file));
         }
