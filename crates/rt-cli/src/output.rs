@@ -91,6 +91,9 @@ impl OutputFile {
         if target.file_name().is_none() {
             return Err(OutputError::NoName(path.to_owned()));
         }
+        if is_folder_name(path) || is_folder_name(&target) {
+            return Err(OutputError::FolderName(path.to_owned()));
+        }
         let folder = folder_of(&target);
         if !folder.is_dir() {
             return Err(OutputError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
@@ -270,6 +273,13 @@ pub(crate) fn write_elsewhere<E: Display>(
         Some(path)
     };
     fallback_dirs.iter().find_map(write_to)
+}
+
+/// True for a name that ends in a separator, also with a dot. [`Path`] ignores both.
+fn is_folder_name(path: &Path) -> bool {
+    let name = path.as_os_str().as_encoded_bytes();
+    let name = name.strip_suffix(b".").unwrap_or(name);
+    name.last().is_some_and(|&byte| std::path::is_separator(byte.into()))
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -478,6 +488,9 @@ mod tests {
         assert!(matches!(check(folder.path()), OutputError::NotAFile(_)));
         assert!(matches!(check(&folder.path().join("missing/a.png")), OutputError::NoFolder { .. }));
         assert!(matches!(check(&file.join("a.png")), OutputError::NoFolder { .. }));
+        for name in ["a.png/", "a.png/.", "file.txt/"] {
+            assert!(matches!(check(&folder.path().join(name)), OutputError::FolderName(_)), "{name}");
+        }
         assert!(matches!(check(&folder.path().join("a".repeat(300))), OutputError::BadName { .. }));
         let input = OutputFile::prepare(&folder.path().join("./file.txt"), std::slice::from_ref(&file));
         assert!(matches!(input, Err(OutputError::IsInput(_))));

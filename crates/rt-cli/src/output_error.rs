@@ -9,6 +9,8 @@ use bytesize::ByteSize;
 pub(crate) enum OutputError {
     #[error("cannot write `{}`: it is not a file name", .0.display())]
     NoName(PathBuf),
+    #[error("cannot write `{}`: a name with a slash at its end is that of a directory; remove the slash, or add a file name", .0.display())]
+    FolderName(PathBuf),
     #[error("cannot write `{}`: {source}; choose another name", path.display())]
     BadName { path: PathBuf, source: io::Error },
     #[error("cannot write `{}`: {} {}", path.display(), folder.display(), folder_problem(folder))]

@@ -349,6 +349,11 @@ fn unusable_outputs_are_refused_before_the_render() {
         ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs have the same file c.pfm"),
         ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
         ("--checkpoint nowhere/kept", 4, "cannot write `nowhere/kept`: nowhere does not exist; create it"),
+        ("-o a.png/", 4, "cannot write `a.png/`: a name with a slash at its end is that of a directory"),
+        ("--stats a.json/.", 4, "cannot write `a.json/.`: a name with a slash at its end"),
+        ("--aov samples=a.pfm/", 4, "cannot write `a.pfm/`: a name with a slash at its end"),
+        ("--checkpoint kept/", 4, "cannot write `kept/`: a name with a slash at its end"),
+        ("--shard 1/2 -o a.part/", 4, "cannot write `a.part/`: a name with a slash at its end"),
         ("--fallback-dir nowhere", 2, "--fallback-dir nowhere is not a directory"),
     ] {
         place.fails(code, &format!("render scene.ron {options}"), message);
