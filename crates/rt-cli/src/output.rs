@@ -53,7 +53,13 @@ fn followed(path: &Path) -> Result<PathBuf, OutputError> {
     let Ok(link) = path.read_link() else { return Ok(path.to_owned()) };
     let target = folder_of(path).join(link);
     // Links to pipes, such as /dev/stdout, have no path as their target.
-    if path.exists() || target.is_symlink() { Err(OutputError::NotAFile(path.to_owned())) } else { Ok(target) }
+    if path.exists() {
+        Err(OutputError::NotAFile(path.to_owned()))
+    } else if target.is_symlink() {
+        Err(OutputError::BrokenLink(path.to_owned()))
+    } else {
+        Ok(target)
+    }
 }
 
 impl OutputFile {

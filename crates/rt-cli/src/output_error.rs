@@ -17,6 +17,8 @@ pub(crate) enum OutputError {
     NoFolder { path: PathBuf, folder: PathBuf },
     #[error("cannot write `{}`: it exists and is not a regular file; choose another name, or `-` for standard output", .0.display())]
     NotAFile(PathBuf),
+    #[error("cannot write `{}`: it is a symbolic link to a link that leads to no file; remove it, or choose another name", .0.display())]
+    BrokenLink(PathBuf),
     #[error("cannot write `{}`: it exists and is read-only; remove it, or choose another name", .0.display())]
     ReadOnly(PathBuf),
     #[error("cannot write `{}`: it is an input; choose another name", .0.display())]

@@ -55,6 +55,11 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         return Err(CliError::Usage(message.to_owned()));
     }
 
+    if args.checkpoint.checkpoint.as_deref().is_some_and(is_dash) {
+        let message = "--checkpoint requires the name of a file: it cannot be read back from standard output";
+        return Err(CliError::Usage(message.to_owned()));
+    }
+
     let started = Instant::now();
     let Input { scene, environment, files, options: loaded } = input::read(&args.input, Some(&args.image), console)?;
     let load_seconds = started.elapsed().as_secs_f64();

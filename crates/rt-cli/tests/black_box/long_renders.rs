@@ -348,6 +348,7 @@ fn unusable_outputs_are_refused_before_the_render() {
         ),
         ("--aov samples=c.pfm --checkpoint c.pfm", 2, "two outputs have the same file c.pfm"),
         ("--checkpoint notes.txt --restart", 3, "notes.txt: is not a checkpoint"),
+        ("--checkpoint -", 2, "--checkpoint requires the name of a file"),
         ("--checkpoint nowhere/kept", 4, "cannot write `nowhere/kept`: nowhere does not exist; create it"),
         ("-o a.png/", 4, "cannot write `a.png/`: a name with a slash at its end is that of a directory"),
         ("--stats a.json/.", 4, "cannot write `a.json/.`: a name with a slash at its end"),

@@ -247,6 +247,14 @@ fn links_to_pipes_are_not_replaced() {
     assert_eq!(run.status.code(), Some(4), "{}", stderr(&run));
     assert!(stderr(&run).contains("is not a regular file; choose another name, or `-`"), "{}", stderr(&run));
     assert!(place.path("pipe.json").is_symlink());
+    // A loop of links exists, but is no file of another kind.
+    symlink("b.json", place.path("a.json")).expect("a link");
+    symlink("a.json", place.path("b.json")).expect("a link");
+    place.fails(
+        4,
+        "render scene.ron --stats a.json",
+        "`a.json`: it is a symbolic link to a link that leads to no file",
+    );
     // A link to a file that does not exist yet is written through.
     symlink("later.json", place.path("link.json")).expect("a link");
     place.succeed("render scene.ron --stats link.json");
