@@ -40,8 +40,13 @@ impl CheckpointOptions {
 }
 
 /// `--checkpoint`, or the name of the image with `.checkpoint` appended.
+pub(crate) fn path_for(args: &CheckpointArgs, image: &Path) -> PathBuf {
+    args.checkpoint.clone().unwrap_or_else(|| with_suffix(image, ".checkpoint"))
+}
+
+/// [`path_for`] the output. Without `--checkpoint`, only files have one.
 pub(crate) fn default_path(args: &CheckpointArgs, output: &OutputFile) -> Option<PathBuf> {
-    args.checkpoint.clone().or_else(|| output.is_file().then(|| with_suffix(output.path(), ".checkpoint")))
+    (args.checkpoint.is_some() || output.is_file()).then(|| path_for(args, output.path()))
 }
 
 /// Writer of the checkpoints of one render.
@@ -104,10 +109,7 @@ impl Checkpointer {
                 }
                 Ok(Some(checkpoint))
             }
-            None => Err(CliError::Usage(format!(
-                "{} is the checkpoint of an unfinished render: continue with --resume, or start over with --restart",
-                self.file.display()
-            ))),
+            None => Err(unfinished(&self.file)),
             Some(error) => {
                 let fate = match self.move_aside() {
                     Some(aside) => format!("kept as {}", aside.display()),
@@ -203,6 +205,26 @@ impl Checkpointer {
             let _ = fs::remove_file(&self.file);
         }
     }
+}
+
+/// Refuses a checkpoint of this image that can be continued.
+pub(crate) fn refuse_unfinished(file: &Path, identity: Identity, memory: Option<u64>) -> Result<(), CliError> {
+    let kind = ArtifactKind::Checkpoint;
+    match checkpoint_format::label(file, kind) {
+        Ok(Some(label))
+            if label.identity == identity && checkpoint_format::read::<Checkpoint>(file, kind, memory).is_ok() =>
+        {
+            Err(unfinished(file))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn unfinished(file: &Path) -> CliError {
+    CliError::Usage(format!(
+        "{} is the checkpoint of an unfinished render: continue with --resume, or start over with --restart",
+        file.display()
+    ))
 }
 
 /// True for a checkpoint that cannot be continued, and is kept for the user.

@@ -1,6 +1,6 @@
 //! Sequences of images.
 
-use crate::program::{ANIMATED, Workplace};
+use crate::program::{ANIMATED, Run, Workplace, signal, wait_until};
 
 /// A ball that flies past a camera, which is itself on its way, with the shutter open for half a frame.
 const FLIGHT: &str = "(
@@ -110,7 +110,7 @@ fn a_frame_that_fails_is_named_and_those_before_it_are_kept() {
 fn frames_that_are_done_are_not_rendered_again_and_never_mixed_with_others() {
     let place = flight();
     let render = |options: &str| place.run(&format!("render flight.ron -o out-#.pfm --fps 8 {options}"));
-    let done = |run: &crate::program::Run| -> Vec<bool> {
+    let done = |run: &Run| -> Vec<bool> {
         let frames = run.stdout.lines().filter(|line| line.starts_with("frame "));
         frames.map(|line| line.ends_with("exists already")).collect()
     };
@@ -154,6 +154,23 @@ fn a_frame_whose_image_was_replaced_is_rendered_again() {
     place.write("out-#.pfm.frames.json", log.to_string());
     let run = place.succeed("render flight.ron -o out-#.pfm --frames 0..1 --resume");
     assert_eq!(run.stdout.matches(" exists already").count(), 2, "{run:?}");
+}
+
+/// It rendered the finished frames again, up to the unfinished one.
+#[test]
+#[cfg(unix)]
+fn an_animation_with_an_unfinished_frame_is_refused_before_its_first_frame() {
+    let place = flight();
+    let command = "render flight.ron -o out-#.pfm --frames 0..2 --size 160x120 --spp 128 --threads 1";
+    let child = place.spawn(&format!("{command} --checkpoint-every 1ms"));
+    wait_until("a checkpoint", || place.path("out-1.pfm.checkpoint").exists());
+    signal(&child, "INT");
+    assert_eq!(Run::end(child).code, Some(130));
+    let message = "frame 1: out-1.pfm.checkpoint is the checkpoint of an unfinished render: continue with --resume";
+    let run = place.fails(2, command, message);
+    assert_eq!(run.stdout, "");
+    let run = place.succeed(&format!("{command} --resume"));
+    assert!(run.stdout.contains("frame 0 of 0..2 exists already\n"), "{run:?}");
 }
 
 #[test]

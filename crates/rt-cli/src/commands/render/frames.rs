@@ -11,7 +11,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
-use crate::{image_file, input, signals};
+use crate::{checkpointer, image_file, input, signals};
 
 /// Renders the frames in order; stops at the first failure.
 pub(super) fn each(
@@ -37,17 +37,18 @@ pub(super) fn each(
     refuse_shared_files(args)?;
     let mut log = FrameLog::open(&output(args), args.checkpoint.shard, frames, args.checkpoint.resume)?;
     let mut files = None;
+    if !(args.checkpoint.resume || args.checkpoint.restart) {
+        // Before finished frames are rendered again.
+        let own = frames.indices().filter(|frame| spec.holds(*frame as usize));
+        refuse_checkpoints(args, own, &mut files)?;
+    }
     for frame in frames.indices().filter(|frame| spec.holds(*frame as usize)) {
         if signals::is_interrupted() {
             // The signal came after the previous frame was finished.
             return Err(failed(frame, CliError::interrupted_at_once()));
         }
         let args = of_frame(args, frame);
-        if files.is_none() {
-            files = Some(files_of(&args).map_err(|source| failed(frame, source))?);
-        }
-        let identity =
-            Identity::new(&args.input, &args.image, files.as_deref().unwrap_or_default(), &InputHashes::default())?;
+        let identity = identity_of(&args, &mut files).map_err(|source| failed(frame, source))?;
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         let image = output(&args);
@@ -90,9 +91,29 @@ fn failed(frame: u32, source: CliError) -> CliError {
     CliError::Frame { frame, source: Box::new(source) }
 }
 
-/// Input files, which are the same for all frames.
-fn files_of(args: &RenderArgs) -> Result<Vec<PathBuf>, CliError> {
-    Ok(input::read(&args.input, Some(&args.image), Console { quiet: true })?.files)
+/// Refuses checkpoints of unfinished frames.
+fn refuse_checkpoints(
+    args: &RenderArgs,
+    frames: impl Iterator<Item = u32>,
+    files: &mut Option<Vec<PathBuf>>,
+) -> Result<(), CliError> {
+    for frame in frames {
+        let args = of_frame(args, frame);
+        let file = checkpointer::path_for(&args.checkpoint, &output(&args));
+        if file.exists() {
+            let refuse = |identity| checkpointer::refuse_unfinished(&file, identity, args.input.memory.limit());
+            identity_of(&args, files).and_then(refuse).map_err(|source| failed(frame, source))?;
+        }
+    }
+    Ok(())
+}
+
+/// Identity of the image of a frame. The input files are the same for all frames.
+fn identity_of(args: &RenderArgs, files: &mut Option<Vec<PathBuf>>) -> Result<Identity, CliError> {
+    if files.is_none() {
+        *files = Some(input::read(&args.input, Some(&args.image), Console { quiet: true })?.files);
+    }
+    Identity::new(&args.input, &args.image, files.as_deref().unwrap_or_default(), &InputHashes::default())
 }
 
 /// Arguments of a single frame.
