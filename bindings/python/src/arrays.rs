@@ -1,19 +1,46 @@
 //! Numpy arrays as batches of rays.
 //!
 //! Contiguous arrays of either precision are read in place. Other arrays are gathered, a slice of rays at a time, so that
-//! little memory is needed beyond that of the caller.
+//! little memory is needed beyond that of the caller. Results without room in memory raise a `MemoryError`.
 
 use core::ops::Range;
 
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ndarray::ArrayView2};
-use pyo3::prelude::*;
+use numpy::{
+    Element, PyArray, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, dtype,
+    ndarray::{ArrayView2, Dimension},
+};
+use pyo3::{prelude::*, sync::PyOnceLock};
 use rayon::prelude::*;
 use rt_accel::{Scalars, Vectors};
 
-use crate::error::value_error;
+use crate::error::{memory_error, value_error};
 
 /// Numbers that are checked at a time.
 const NUMBERS_PER_CHECK: usize = 4096;
+
+/// Array of zeros.
+pub(crate) fn zeros<'py, T: Element, D: Dimension>(
+    py: Python<'py>,
+    shape: impl IntoPyObject<'py>,
+) -> PyResult<Bound<'py, PyArray<T, D>>> {
+    // By the function of Python: that of the numpy crate panics without memory.
+    static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    Ok(ZEROS.import(py, "numpy", "zeros")?.call1((shape, dtype::<T>(py)))?.cast_into()?)
+}
+
+/// Vector with room for `n` items, of which only what is written takes memory.
+pub(crate) fn with_capacity<T>(n: usize) -> PyResult<Vec<T>> {
+    let mut items = Vec::new();
+    items.try_reserve_exact(n).map_err(memory_error)?;
+    Ok(items)
+}
+
+/// Vector of items, the number of which is known.
+pub(crate) fn collected<T>(items: impl ExactSizeIterator<Item = T>) -> PyResult<Vec<T>> {
+    let mut collected = with_capacity(items.len())?;
+    collected.extend(items);
+    Ok(collected)
+}
 
 /// Vectors in the rows of an array with three columns.
 pub(crate) enum Rows<'py> {

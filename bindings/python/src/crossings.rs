@@ -1,13 +1,16 @@
 //! Crossings of rays with one mesh: hits at the same point of a ray count once, as at a common edge of triangles.
 
+use std::collections::TryReserveError;
+
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rt_accel::{DVec3, HitBatch, RayBatch};
 
-use crate::error::value_error;
+use crate::arrays::{with_capacity, zeros};
+use crate::error::{memory_error, value_error};
 use crate::geometry::PyMesh;
-use crate::rays::{Rays, RaysView, Refused};
+use crate::rays::{Rays, RaysView};
 use crate::scene::PyScene;
 
 /// Points that a thread interpolates at a time.
@@ -26,6 +29,15 @@ struct Crossings {
     points: Vec<[f64; 3]>,
 }
 
+impl Crossings {
+    /// Makes room for `n` more crossings.
+    fn reserve(&mut self, n: usize, with_points: bool) -> Result<(), TryReserveError> {
+        self.triangles.try_reserve(n)?;
+        self.rays.try_reserve(n)?;
+        self.points.try_reserve(if with_points { n } else { 0 })
+    }
+}
+
 /// Triangles, rays, and coordinates of points, three for each.
 type CrossingArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
 
@@ -40,7 +52,7 @@ pub(crate) fn first_triangles<'py>(
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let rays = Rays::extract_endless([origins, directions])?;
     let (view, scene) = (rays.view()?, scene.get());
-    let first_triangles = PyArray1::<i64>::zeros(py, view.len, false);
+    let first_triangles: Bound<'py, PyArray1<i64>> = zeros(py, view.len)?;
     {
         let mut first_triangles = first_triangles.readwrite();
         let first_triangles = first_triangles.as_slice_mut()?;
@@ -55,7 +67,7 @@ pub(crate) fn first_triangles<'py>(
             })
         };
         let threads = view.threads(py, threads)?;
-        py.detach(|| threads.run(work)).map_err(value_error)?;
+        py.detach(|| threads.run(work))?;
     }
     Ok(first_triangles)
 }
@@ -81,7 +93,7 @@ pub(crate) fn crossings<'py>(
         _ => all_crossings(scene, mesh, &view, max_hits, with_points, is_parallel),
     };
     let threads = view.threads(py, threads)?;
-    let mut found = py.detach(|| threads.run(work)).map_err(value_error)?;
+    let mut found = py.detach(|| threads.run(work))?;
     found.triangles.shrink_to_fit();
     found.rays.shrink_to_fit();
     found.points.shrink_to_fit();
@@ -98,7 +110,7 @@ struct ClosestHits {
 }
 
 impl ClosestHits {
-    fn trace(&mut self, scene: &PyScene, rays: &RayBatch<'_>, is_parallel: bool) -> Result<(), Refused> {
+    fn trace(&mut self, scene: &PyScene, rays: &RayBatch<'_>, is_parallel: bool) -> PyResult<()> {
         self.t.resize(rays.len(), 0.0);
         self.triangles.resize(rays.len(), 0);
         self.uv.resize(rays.len(), [0.0; 2]);
@@ -109,7 +121,7 @@ impl ClosestHits {
         } else {
             scene.scene.closest_batch(rays, &mut hits)
         };
-        traced.map_err(|error| error.to_string())
+        traced.map_err(value_error)
     }
 }
 
@@ -119,12 +131,12 @@ fn closest_crossings(
     view: &RaysView<'_>,
     with_points: bool,
     is_parallel: bool,
-) -> Result<Crossings, Refused> {
-    // Room for a crossing of each ray, of which only what is written takes memory.
+) -> PyResult<Crossings> {
+    // Room for a crossing of each ray.
     let mut found = Crossings {
-        triangles: Vec::with_capacity(view.len),
-        rays: Vec::with_capacity(view.len),
-        points: Vec::with_capacity(if with_points { view.len } else { 0 }),
+        triangles: with_capacity(view.len)?,
+        rays: with_capacity(view.len)?,
+        points: with_capacity(if with_points { view.len } else { 0 })?,
     };
     let (mut closest, mut hits) = (ClosestHits::default(), Vec::new());
     view.for_each_small_slice(is_parallel, |first, rays| {
@@ -152,7 +164,7 @@ fn all_crossings(
     max_hits: usize,
     with_points: bool,
     is_parallel: bool,
-) -> Result<Crossings, Refused> {
+) -> PyResult<Crossings> {
     let (mut found, mut hits, mut points) = (Crossings::default(), Vec::new(), Vec::new());
     view.for_each_small_slice(is_parallel, |first, rays| {
         let lists = if is_parallel { scene.scene.par_all_hits_batch(rays) } else { scene.scene.all_hits_batch(rays) };
@@ -160,6 +172,7 @@ fn all_crossings(
         hits.extend(lists.hits.iter().map(|hit| (hit.primitive, hit.uv)));
         points.clear();
         append_points(mesh, &hits, is_parallel, &mut points)?;
+        found.reserve(hits.len(), with_points).map_err(memory_error)?;
         for (ray, range) in lists.offsets.windows(2).enumerate() {
             let [start, end] = range else { continue };
             let tolerance = SAME_POINT * (mesh.largest_coordinate + largest(rays.get(ray).0.origin));
@@ -195,11 +208,13 @@ fn append_points(
     hits: &[(u32, [f64; 2])],
     is_parallel: bool,
     points: &mut Vec<[f64; 3]>,
-) -> Result<(), Refused> {
+) -> PyResult<()> {
     let first = points.len();
+    points.try_reserve(hits.len()).map_err(memory_error)?;
     points.resize(first + hits.len(), [0.0; 3]);
     let write = |((triangle, [u, v]), point): (&(u32, [f64; 2]), &mut [f64; 3])| {
-        let corners = mesh.mesh.triangle(*triangle).ok_or_else(|| format!("there is no triangle {triangle}"))?;
+        let corners =
+            mesh.mesh.triangle(*triangle).ok_or_else(|| value_error(format!("there is no triangle {triangle}")))?;
         *point = ((1.0 - (u + v)) * corners[0] + *u * corners[1] + *v * corners[2]).to_array();
         Ok(())
     };

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use rt_accel::{DVec3, MeshError, Primitives as _, Sphere, Spheres, TriangleMesh, Vertices};
 use rt_geometry::Triangle;
 
-use crate::arrays::{Rows, RowsView};
+use crate::arrays::{Rows, RowsView, collected, with_capacity};
 use crate::error::value_error;
 
 /// Checked triangles.
@@ -39,13 +39,13 @@ impl PyMesh {
         if faces.ncols() != 3 {
             return Err(value_error(format!("faces must have three columns, not {}", faces.ncols())));
         }
-        let triangles: Vec<[u32; 3]> = faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]).collect();
-        Self::checked(TriangleMesh::new(vertices_of(&rows), triangles))
+        let triangles = collected(faces.rows().into_iter().map(|face| [face[0], face[1], face[2]]))?;
+        Self::checked(TriangleMesh::new(vertices_of(&rows)?, triangles))
     }
 
     /// Mesh with the triangles of this one and other vertices.
     fn with_vertices(&self, vertices: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Self::checked(self.mesh.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?)))
+        Self::checked(self.mesh.with_vertices(vertices_of(&Rows::extract("vertices", vertices)?)?))
     }
 
     /// Coordinates of the vertices, three for each: a copy in the precision that the mesh keeps.
@@ -71,11 +71,11 @@ impl PyMesh {
 }
 
 /// Vertices in the precision of the rows.
-fn vertices_of(rows: &Rows<'_>) -> Vertices<'static> {
-    match rows.view() {
-        RowsView::F32(rows) => rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into(),
-        RowsView::F64(rows) => rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect::<Vec<_>>().into(),
-    }
+fn vertices_of(rows: &Rows<'_>) -> PyResult<Vertices<'static>> {
+    Ok(match rows.view() {
+        RowsView::F32(rows) => collected(rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]))?.into(),
+        RowsView::F64(rows) => collected(rows.rows().into_iter().map(|row| [row[0], row[1], row[2]]))?.into(),
+    })
 }
 
 /// Checked spheres.
@@ -100,8 +100,11 @@ impl PySpheres {
             let centre = DVec3::new(centre[0], centre[1], centre[2]);
             Sphere::new(centre, *radius).map_err(|error| value_error(format!("sphere {i}: {error}")))
         };
-        let spheres = centres.rows().into_iter().zip(radii).enumerate().map(sphere);
-        Ok(Self(Spheres::new(spheres.collect::<PyResult<_>>()?)))
+        let mut spheres = with_capacity(radii.len())?;
+        for item in centres.rows().into_iter().zip(radii).enumerate() {
+            spheres.push(sphere(item)?);
+        }
+        Ok(Self(Spheres::new(spheres)))
     }
 
     /// Coordinates of the centres and the radius, four numbers for each sphere: a copy.

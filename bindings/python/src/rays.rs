@@ -16,9 +16,6 @@ const MIN_RAYS_TO_SHARE: usize = 1 << 14;
 /// Threads beyond which slices do not grow, so that intermediate results take tens of megabytes.
 const MAX_THREADS_PER_SLICE: usize = 16;
 
-/// Error text of a refused batch: exceptions of Python can only be made under the lock of the interpreter.
-pub(crate) type Refused = String;
-
 /// Rays of a call.
 pub(crate) struct Rays<'py> {
     origins: Rows<'py>,
@@ -80,8 +77,8 @@ impl RaysView<'_> {
     pub(crate) fn for_each_slice(
         &self,
         is_parallel: bool,
-        trace: impl FnMut(usize, &RayBatch<'_>) -> Result<(), Refused>,
-    ) -> Result<(), Refused> {
+        trace: impl FnMut(usize, &RayBatch<'_>) -> PyResult<()>,
+    ) -> PyResult<()> {
         let in_place = self.origins.is_contiguous() && self.directions.is_contiguous();
         self.for_each_slice_of(
             if is_parallel && in_place { self.len } else { slice_len(is_parallel) },
@@ -94,8 +91,8 @@ impl RaysView<'_> {
     pub(crate) fn for_each_small_slice(
         &self,
         is_parallel: bool,
-        trace: impl FnMut(usize, &RayBatch<'_>) -> Result<(), Refused>,
-    ) -> Result<(), Refused> {
+        trace: impl FnMut(usize, &RayBatch<'_>) -> PyResult<()>,
+    ) -> PyResult<()> {
         self.for_each_slice_of(slice_len(is_parallel), is_parallel, trace)
     }
 
@@ -103,30 +100,31 @@ impl RaysView<'_> {
         &self,
         step: usize,
         is_parallel: bool,
-        mut trace: impl FnMut(usize, &RayBatch<'_>) -> Result<(), Refused>,
-    ) -> Result<(), Refused> {
+        mut trace: impl FnMut(usize, &RayBatch<'_>) -> PyResult<()>,
+    ) -> PyResult<()> {
         let (mut origins, mut directions) = (Gathered::default(), Gathered::default());
         for first in (0..self.len).step_by(step.max(1)) {
             let n = step.min(self.len - first);
             // Just before the rays are traced, so that the numbers are read from memory once.
             for (what, rows) in [("origins", self.origins), ("directions", self.directions)] {
                 if let Some(row) = rows.first_non_finite(first, n, is_parallel) {
-                    return Err(format!("row {row} of {what} holds a number that is not finite"));
+                    return Err(value_error(format!("row {row} of {what} holds a number that is not finite")));
                 }
             }
             for (what, limits) in [("t_min", self.t_min), ("t_max", self.t_max)] {
                 if let Some(row) = limits.first_nan(first, n) {
-                    return Err(format!("row {row} of {what} is not a number"));
+                    return Err(value_error(format!("row {row} of {what} is not a number")));
                 }
             }
             let vectors =
                 self.origins.vectors(first, n, &mut origins).zip(self.directions.vectors(first, n, &mut directions));
             let limits = self.t_min.scalars(first, n).zip(self.t_max.scalars(first, n));
             let Some(((origins, directions), (t_min, t_max))) = vectors.zip(limits) else {
-                return Err(format!("t_min and t_max must be numbers, or arrays of {} numbers", self.len));
+                let message = format!("t_min and t_max must be numbers, or arrays of {} numbers", self.len);
+                return Err(value_error(message));
             };
             let rays = RayBatch::new(origins, directions).and_then(|rays| rays.with_t_range(t_min, t_max));
-            trace(first, &rays.map_err(|error| error.to_string())?)?;
+            trace(first, &rays.map_err(value_error)?)?;
         }
         Ok(())
     }

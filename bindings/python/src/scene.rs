@@ -1,6 +1,6 @@
 //! Queries of a scene.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, TryReserveError};
 
 use numpy::{
     Element, IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _,
@@ -12,10 +12,10 @@ use rt_accel::{
     SceneBuilder, Transform,
 };
 
-use crate::arrays::{Rows, RowsView};
-use crate::error::value_error;
+use crate::arrays::{Rows, RowsView, collected, with_capacity, zeros};
+use crate::error::{memory_error, value_error};
 use crate::geometry::{PyMesh, PySpheres};
-use crate::rays::{Rays, Refused};
+use crate::rays::Rays;
 use crate::threads::Threads;
 
 /// Points that a thread takes at a time.
@@ -30,6 +30,9 @@ pub(crate) struct PyScene {
 }
 
 type GeometryIds = BTreeMap<u64, GeometryId>;
+
+/// Error text of a refused change.
+type Refused = String;
 
 /// Key of a geometry, and a matrix of 4 x 4 numbers or `None` for the identity.
 type Placement<'py> = (u64, Option<PyReadonlyArray2<'py, f64>>);
@@ -118,28 +121,31 @@ fn for_each_point<T: Send>(
     work: impl Fn(DVec3) -> T + Send + Sync,
 ) -> PyResult<Vec<T>> {
     let threads = Threads::new(py, threads, points.len().div_ceil(POINTS_PER_TASK))?;
-    py.detach(|| for_each_point_on(&threads, points, work)).map_err(value_error)
+    py.detach(|| for_each_point_on(&threads, points, work))
 }
 
 fn for_each_point_on<T: Send>(
     threads: &Threads,
     points: RowsView<'_>,
     work: impl Fn(DVec3) -> T + Send + Sync,
-) -> Result<Vec<T>, Refused> {
+) -> PyResult<Vec<T>> {
+    let mut results = with_capacity(points.len())?;
     if let Some(row) = points.first_non_finite(0, points.len(), false) {
-        return Err(format!("row {row} of points holds a number that is not finite"));
+        return Err(value_error(format!("row {row} of points holds a number that is not finite")));
     }
     let at = |i: usize| match points {
         RowsView::F32(rows) => DVec3::new(rows[[i, 0]].into(), rows[[i, 1]].into(), rows[[i, 2]].into()),
         RowsView::F64(rows) => DVec3::new(rows[[i, 0]], rows[[i, 1]], rows[[i, 2]]),
     };
-    Ok(threads.run(|is_parallel| {
+    threads.run(|is_parallel| {
         if is_parallel {
-            (0..points.len()).into_par_iter().with_min_len(POINTS_PER_TASK).map(|i| work(at(i))).collect()
+            let each = (0..points.len()).into_par_iter().with_min_len(POINTS_PER_TASK).map(|i| work(at(i)));
+            each.collect_into_vec(&mut results);
         } else {
-            (0..points.len()).map(|i| work(at(i))).collect()
+            results.extend((0..points.len()).map(|i| work(at(i))));
         }
-    }))
+    });
+    Ok(results)
 }
 
 /// Array of what `trace` computes for each ray, on the given number of threads.
@@ -151,18 +157,18 @@ fn per_ray<'py, T: Element + Send + Sync>(
 ) -> PyResult<Bound<'py, PyArray1<T>>> {
     let rays = Rays::extract(rays)?;
     let view = rays.view()?;
-    let results = PyArray1::zeros(py, view.len, false);
+    let results: Bound<'py, PyArray1<T>> = zeros(py, view.len)?;
     {
         let mut results = results.readwrite();
         let results = results.as_slice_mut()?;
         let work = |is_parallel| {
             view.for_each_slice(is_parallel, |first, rays| {
                 let results = &mut results[first..first + rays.len()];
-                trace(is_parallel, rays, results).map_err(|error| error.to_string())
+                trace(is_parallel, rays, results).map_err(value_error)
             })
         };
         let threads = view.threads(py, threads)?;
-        py.detach(|| threads.run(work)).map_err(value_error)?;
+        py.detach(|| threads.run(work))?;
     }
     Ok(results)
 }
@@ -179,13 +185,18 @@ struct HitArrays {
 
 impl HitArrays {
     /// Appends the hits of more rays.
-    fn extend(&mut self, lists: &HitLists) {
-        let first = self.t.len();
+    fn extend(&mut self, lists: &HitLists) -> Result<(), TryReserveError> {
+        let (first, n) = (self.t.len(), lists.hits.len());
+        self.t.try_reserve(n)?;
+        self.primitive.try_reserve(n)?;
+        self.instance.try_reserve(n)?;
+        self.uv.try_reserve(n)?;
         self.offsets.extend(lists.offsets.iter().skip(1).map(|offset| (first + offset) as i64));
         self.t.extend(lists.hits.iter().map(|hit| hit.t));
         self.primitive.extend(lists.hits.iter().map(|hit| hit.primitive));
         self.instance.extend(lists.hits.iter().map(|hit| hit.instance));
         self.uv.extend(lists.hits.iter().map(|hit| hit.uv));
+        Ok(())
     }
 }
 
@@ -283,12 +294,8 @@ impl PyScene {
         let rays = Rays::extract([origins, directions, t_min, t_max])?;
         let view = rays.view()?;
         let n = view.len;
-        let (t, primitive, instance, uv) = (
-            PyArray1::<f64>::zeros(py, n, false),
-            PyArray1::<u32>::zeros(py, n, false),
-            PyArray1::<u32>::zeros(py, n, false),
-            PyArray2::<f64>::zeros(py, [n, 2], false),
-        );
+        let (t, primitive, instance, uv): Closest<'py> =
+            (zeros(py, n)?, zeros(py, n)?, zeros(py, n)?, zeros(py, (n, 2))?);
         {
             let (mut t, mut primitive) = (t.readwrite(), primitive.readwrite());
             let (mut instance, mut uv) = (instance.readwrite(), uv.readwrite());
@@ -308,11 +315,11 @@ impl PyScene {
                     } else {
                         self.scene.closest_batch(rays, &mut hits)
                     };
-                    traced.map_err(|error| error.to_string())
+                    traced.map_err(value_error)
                 })
             };
             let threads = view.threads(py, threads)?;
-            py.detach(|| threads.run(work)).map_err(value_error)?;
+            py.detach(|| threads.run(work))?;
         }
         Ok((t, primitive, instance, uv))
     }
@@ -366,19 +373,18 @@ impl PyScene {
         let rays = Rays::extract([origins, directions, t_min, t_max])?;
         let view = rays.view()?;
         let work = |is_parallel| {
-            // Room for all offsets, of which only what is written takes memory. Lists of hits grow.
-            let mut all = HitArrays { offsets: Vec::with_capacity(view.len + 1), ..HitArrays::default() };
+            // Room for all offsets. Lists of hits grow.
+            let mut all = HitArrays { offsets: with_capacity(view.len + 1)?, ..HitArrays::default() };
             all.offsets.push(0);
             view.for_each_small_slice(is_parallel, |_, rays| {
                 let lists =
                     if is_parallel { self.scene.par_all_hits_batch(rays) } else { self.scene.all_hits_batch(rays) };
-                all.extend(&lists);
-                Ok(())
+                all.extend(&lists).map_err(memory_error)
             })?;
-            Ok::<_, Refused>(all)
+            Ok::<_, PyErr>(all)
         };
         let threads = view.threads(py, threads)?;
-        let HitArrays { offsets, t, primitive, instance, uv } = py.detach(|| threads.run(work)).map_err(value_error)?;
+        let HitArrays { offsets, t, primitive, instance, uv } = py.detach(|| threads.run(work))?;
         Ok((
             offsets.into_pyarray(py),
             t.into_pyarray(py),
@@ -403,15 +409,15 @@ impl PyScene {
         let view = points.view();
         let nearest = |point| self.scene.nearest_point(point, max_distance);
         let found = for_each_point(py, view, threads, nearest)?;
-        let coordinates = found.iter().flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point.to_array()));
+        let coordinates = found.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point.to_array()));
         let distances = found.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance));
         let primitives = found.iter().map(|hit| hit.map_or(HitBatch::MISS, |hit| hit.primitive));
         let instances = found.iter().map(|hit| hit.map_or(HitBatch::MISS, |hit| hit.instance));
         Ok((
-            coordinates.collect::<Vec<_>>().into_pyarray(py),
-            distances.collect::<Vec<_>>().into_pyarray(py),
-            primitives.collect::<Vec<_>>().into_pyarray(py),
-            instances.collect::<Vec<_>>().into_pyarray(py),
+            collected(coordinates)?.into_flattened().into_pyarray(py),
+            collected(distances)?.into_pyarray(py),
+            collected(primitives)?.into_pyarray(py),
+            collected(instances)?.into_pyarray(py),
         ))
     }
 
