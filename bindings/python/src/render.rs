@@ -2,15 +2,20 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
 use std::time::Duration;
 
 use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::prelude::*;
-use rt_render::{PlanOptions, Progress, RayKind, RenderPlan, Rendering, RunOptions, StopRule, Stopped, TargetError};
+use rt_render::{PlanOptions, RayKind, RenderPlan, Rendering, RunOptions, StopRule, Stopped, TargetError};
 use rt_scene_io::{Integrator, LoadOptions, Scene};
 
 use crate::error::value_error;
 use crate::threads::Threads;
+
+/// Time between two checks for signals.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// A finished image: pixels, row by row, with statistics and error estimates.
 #[pyclass(name = "Rendering", module = "rt._rt", frozen)]
@@ -120,34 +125,44 @@ pub(crate) fn render(
         settings.integrator = integrator.unwrap_or(settings.integrator);
         Ok(scene)
     };
-    // The first exception of a signal handler.
-    let mut raised: Option<PyErr> = None;
     let pool = Threads::all(py)?;
     let work = || -> Result<Rendering, String> {
         let scene = pool.run(load)?;
         let plan = pool.run(|_| RenderPlan::compile(&scene, &PlanOptions::default()));
         let plan = plan.map_err(|error| error.to_string())?;
         let options = RunOptions { threads, interrupt: Some(&interrupt), ..RunOptions::default() };
-        // Called on this thread: only the main thread of Python handles signals.
-        let observer = |_: Progress| {
-            if raised.is_none() {
-                raised = Python::attach(|py| py.check_signals()).err();
-                interrupt.fetch_or(raised.is_some(), Ordering::Relaxed);
-            }
-        };
         let rendered = match &rule {
-            Some(rule) => plan.render_until(&options, rule, observer),
-            None => plan.render(&options, observer),
+            Some(rule) => plan.render_until(&options, rule, |_| ()),
+            None => plan.render(&options, |_| ()),
         };
         rendered.map_err(|error| error.to_string())
     };
-    let rendered = py.detach(work);
-    if let Some(raised) = raised {
-        return Err(raised);
-    }
-    let rendering = rendered.map_err(value_error)?;
+    let rendering = py.detach(|| while_signals_are_checked(&interrupt, work))?.map_err(value_error)?;
     let (width, height) = (rendering.film.width() as usize, rendering.film.height() as usize);
     Ok(PyRendering { rendering, width, height })
+}
+
+/// Calls `work` on a thread of its own. Meanwhile this thread checks for signals: only the main thread of Python handles them.
+/// The first exception of a handler sets `interrupt`, and is returned once `work` has ended.
+fn while_signals_are_checked<T: Send>(interrupt: &AtomicBool, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let mut raised = Ok(());
+    let (sender, ended) = mpsc::channel::<()>();
+    let worked = thread::scope(|scope| -> PyResult<_> {
+        let worker = thread::Builder::new().spawn_scoped(scope, move || {
+            // Dropped when the work ends, by a panic as well.
+            let _sender = sender;
+            work()
+        })?;
+        while ended.recv_timeout(SIGNAL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+            if raised.is_ok() {
+                raised = Python::attach(|py| py.check_signals());
+                interrupt.store(raised.is_err(), Ordering::Relaxed);
+            }
+        }
+        Ok(worker.join())
+    })?;
+    raised?;
+    worked.or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 fn integrator_of(name: &str) -> PyResult<Integrator> {
