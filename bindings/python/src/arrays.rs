@@ -191,16 +191,16 @@ impl<'py> Parameters<'py> {
     /// Takes a number or a contiguous array of doubles.
     pub(crate) fn extract(what: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         let wrong = || value_error(format!("{what} must be a number, or an array of one number for each ray"));
-        match value.extract::<f64>() {
-            Ok(same) if same.is_nan() => Err(wrong()),
-            Ok(same) => Ok(Self::Same(same)),
-            Err(_) => {
-                let each: PyReadonlyArray1<'py, f64> = value.extract().map_err(|_| wrong())?;
-                if !(each.is_c_contiguous() && each.is_aligned()) {
-                    return Err(value_error(format!("{what} must be contiguous and aligned in memory")));
-                }
-                Ok(Self::Each(each))
+        // Arrays first: some versions of numpy convert those of one number, with a warning.
+        if let Ok(each) = value.extract::<PyReadonlyArray1<'py, f64>>() {
+            if !(each.is_c_contiguous() && each.is_aligned()) {
+                return Err(value_error(format!("{what} must be contiguous and aligned in memory")));
             }
+            return Ok(Self::Each(each));
+        }
+        match value.extract::<f64>() {
+            Ok(same) if !same.is_nan() => Ok(Self::Same(same)),
+            _ => Err(wrong()),
         }
     }
 

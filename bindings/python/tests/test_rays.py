@@ -262,6 +262,17 @@ def test_the_extension_module_refuses_misaligned_arrays():
         rt._rt.Scene([(0, rt._rt.Mesh(vertices, faces))], [(0, misaligned(np.eye(4)))], "fast")
 
 
+def test_limits_of_one_ray_are_an_array(recwarn):
+    mesh = rt.TriangleMesh(*box())
+    ray = [[-2, 0.1, 0.2]], [1, 0, 0]
+    for t_min in (1.5, [1.5], np.array(1.5), np.float32(1.5), np.float32([1.5])):
+        assert mesh.closest(*ray, t_min=t_min).t == [3]
+        assert mesh.count_hits(*ray, t_max=t_min) == [1]
+    assert not recwarn.list
+    with pytest.raises(ValueError, match="^row 0 of t_min is not a number"):
+        mesh.closest(*ray, t_min=[np.nan])
+
+
 def test_faces_of_objects_are_integers():
     mesh = rt.TriangleMesh(np.eye(3), np.array([[0, 1, np.int64(2)]], dtype=object))
     np.testing.assert_array_equal(mesh.faces, [[0, 1, 2]])
