@@ -138,6 +138,14 @@ def test_tables_hold_the_samples_that_were_rendered(scene):
             rt.converge(scene, **{"spp": (1,), "seeds": 1, "size": (8, 8)} | options)
 
 
+def test_references_do_not_end_by_time_or_error(scene, monkeypatch):
+    images, render = [], rt.render
+    monkeypatch.setattr(rt._render, "render", lambda *scenes, **options: images.append(render(*scenes, **options)) or images[-1])
+    rt.converge(scene, spp=(16,), reference_spp=1024, seeds=1, size=(16, 16), time=60, target_error=1.0)
+    assert [image.samples_per_pixel for image in images] == [1024, 16]
+    assert images[0].stopped == "samples"
+
+
 def test_the_error_falls_with_the_number_of_samples(scene):
     rows = rt.converge(scene, spp=(4, 64), reference_spp=1024, seeds=2, size=(24, 24))
     assert [row.spp for row in rows] == [4, 64]

@@ -265,7 +265,7 @@ def converge(
     seeds : int
         Images for each line; their squared errors are averaged.
     options
-        Further options of `render`, such as `size` and `integrator`.
+        Further options of `render`, such as `size` and `integrator`. The reference ignores `time` and `target_error`.
 
     Returns
     -------
@@ -282,8 +282,9 @@ def converge(
         message = f"seed {first_seed} is too large for {seeds} seeds: the reference has the seed {first_seed + seeds}"
         raise ValueError(f"{message}, and the largest one is {2**64 - 1}")
     reference_spp = min(16 * max(spp), most) if reference_spp is None else reference_spp
-    # A seed of its own: a reference from the same samples would look closer than it is.
-    reference = np.asarray(render(scene, spp=reference_spp, seed=first_seed + seeds, **options), dtype=np.float64)
+    # A seed of its own: a reference from the same samples would look closer than it is. All of its samples are taken.
+    of_reference = {name: value for name, value in options.items() if name not in ("time", "target_error")}
+    reference = np.asarray(render(scene, spp=reference_spp, seed=first_seed + seeds, **of_reference), dtype=np.float64)
     mean = reference.mean()
     scale = mean if mean > 0 else np.nan
     rows = []
