@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from shapes import box, bumpy_sphere
 
 import rt
+from rt.compat.trimesh import RayMeshIntersector
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs fork and signals of POSIX")
 
@@ -36,6 +38,38 @@ def test_forked_processes_have_threads_of_their_own():
     expected = [work(threads) for threads in (None, 2)]
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(work, [None, 2], chunksize=1).get(timeout=120) == expected
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_process_forked_while_a_tree_is_built_does_not_wait():
+    class Mesh:
+        vertices, faces = box()
+
+    mesh, scene, intersector = rt.TriangleMesh(*box()), rt.Scene([MESH]), RayMeshIntersector(Mesh())
+    held, forked = threading.Event(), threading.Event()
+
+    def build():
+        with mesh._lock, scene._lock, intersector._lock:
+            held.set()
+            forked.wait()
+
+    builder = threading.Thread(target=build)
+    builder.start()
+    held.wait()
+    process = os.fork()
+    if process == 0:
+        # Ends a process that waits.
+        signal.alarm(20)
+        try:
+            mesh.any_hit([0, 0, 0], [0, 0, 1])
+            scene.update(insert=mesh)
+            intersector.intersects_any([[0, 0, 0]], [[0, 0, 1]])
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    forked.set()
+    builder.join()
+    assert os.waitpid(process, 0)[1] == 0
 
 
 def test_a_render_ends_with_the_exception_of_a_signal_handler():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import operator
-import threading
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, SupportsIndex
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _rt
+from ._locks import Lock
 from ._results import AllHits, Hits, NearestPoints
 
 
@@ -205,7 +205,7 @@ class _Geometry(_Queries):
 
     def __init__(self, geometry, quality):
         self._geometry = geometry
-        self._lock = threading.Lock()
+        self._lock = Lock()
         self._scene = None
         _rt.check_quality(quality)
         self.quality = quality
@@ -442,7 +442,7 @@ class Scene(_Queries):
     ) -> None:
         if isinstance(objects, (_Geometry, Instance)):
             objects = [objects]
-        self._lock = threading.Lock()
+        self._lock = Lock()
         # By identity: the geometries that are placed, with their keys. Keys are not used again.
         self._geometries: dict[int, tuple[int, _Geometry]] = {}
         self._n_geometries = 0
@@ -613,7 +613,7 @@ class Scene(_Queries):
 
     def __copy__(self):
         copied = type(self).__new__(type(self))
-        copied._lock = threading.Lock()
+        copied._lock = Lock()
         with self._lock:
             copied._geometries, copied._n_geometries = dict(self._geometries), self._n_geometries
             copied._objects, copied._scene, copied._quality = dict(self._objects), self._scene, self._quality

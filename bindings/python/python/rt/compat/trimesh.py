@@ -13,7 +13,6 @@ array([ 0.5, -0.5])
 
 from __future__ import annotations
 
-import threading
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import ArrayLike
 
 import rt
 from rt import _arrays, _rt
+from rt._locks import Lock
 
 #: More than any mesh has.
 _NO_LIMIT = 2**63 - 1
@@ -56,7 +56,7 @@ class RayMeshIntersector:
         self._scale_to_box = scale_to_box
         self._threads = threads
         self._thread_count = _arrays.thread_count(threads)
-        self._lock = threading.Lock()
+        self._lock = Lock()
         self._built = None
 
     def _tree(self):
