@@ -220,6 +220,24 @@ def test_a_default_camera_sees_the_geometry():
     assert np.isfinite(image).all() and image.std() > 0.01
 
 
+def test_a_camera_without_a_target_looks_at_the_centre_of_the_bounds():
+    moved = np.diag([2.0, 2.0, 2.0, 1.0])
+    moved[:3, 3] = [0, 100, 0]
+    mesh = rt.TriangleMesh(box()[0] + [50, 0, 0], box()[1])
+    nothing = rt.TriangleMesh([[900, 0, 0], [901, 0, 0], [902, 0, 0]], [[0, 1, 2]])
+    options = {"size": (64, 64), "spp": 1, "integrator": "depth", "fov": 100}
+    for scene, centre, distance in [
+        (mesh, [50, 0, 0], 5),
+        (rt.Spheres([[5, 5, 5], [7, 5, 5]], [1, 3]), [7, 5, 5], 9),
+        (rt.Scene([rt.Instance(mesh, moved), nothing, rt.Spheres([], [])]), [100, 100, 0], 9),
+        (rt.Scene([mesh, rt.Instance(mesh, moved)]), [75.5, 50.5, 0], 60),
+    ]:
+        eye = np.add(centre, [1, 2, distance])
+        image = rt.render(scene, look_from=eye, **options)
+        np.testing.assert_array_equal(image, rt.render(scene, look_from=eye, look_at=centre, **options))
+        assert image.any()
+
+
 def test_options_of_the_camera_are_for_geometry(scene):
     with pytest.raises(ValueError, match="cameras of its own"):
         rt.render(scene, look_from=[0, 0, 1])

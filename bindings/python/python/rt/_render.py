@@ -100,7 +100,8 @@ def render(
     size : tuple of int, optional
         Width and height.
     look_from, look_at : array_like, optional
-        Position of the camera and its target, for geometry; by default the whole object is shown.
+        Position of the camera and its target, for geometry. With `look_from` alone, the target is the centre of the
+        bounds. By default the whole object is shown.
     up : array_like, optional
         Direction that is up in the image, for geometry with `look_from`. By default the y axis, or the z axis for a view
         along y.
@@ -142,6 +143,8 @@ def render(
         target_error=_optional(_arrays.positive, "target_error", target_error),
         threads=_arrays.thread_count(threads),
     )
+    if isinstance(scene, (Scene, TriangleMesh, Spheres)) and look_from is not None and look_at is None:
+        look_at = _scene_file.centre(scene)
     camera = _camera(look_from, look_at, up, fov)
     if isinstance(scene, (Scene, TriangleMesh, Spheres)):
         with tempfile.TemporaryDirectory() as folder:

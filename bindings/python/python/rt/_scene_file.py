@@ -46,6 +46,37 @@ def write(folder: Path, scene: Scene | TriangleMesh | Spheres, camera: dict[str,
     return path
 
 
+def centre(scene: Scene | TriangleMesh | Spheres) -> np.ndarray:
+    """Centre of the bounds of all objects with an area; the origin without any."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    boxes: dict[int, tuple[np.ndarray, np.ndarray] | None] = {}
+    for item in scene.objects if isinstance(scene, Scene) else [scene]:
+        geometry = item.geometry if isinstance(item, Instance) else item
+        if id(geometry) not in boxes:
+            boxes[id(geometry)] = _box(geometry)
+        box = boxes[id(geometry)]
+        if box is None:
+            continue
+        middle, half = 0.5 * box[0] + 0.5 * box[1], 0.5 * box[1] - 0.5 * box[0]
+        if isinstance(item, Instance):
+            matrix = item.transform[:3, :3]
+            middle, half = matrix @ middle + item.transform[:3, 3], np.abs(matrix) @ half
+        low, high = np.minimum(low, middle - half), np.maximum(high, middle + half)
+    return 0.5 * low + 0.5 * high if (low <= high).all() else np.zeros(3)
+
+
+def _box(geometry: TriangleMesh | Spheres) -> tuple[np.ndarray, np.ndarray] | None:
+    """Lowest and highest coordinates of a geometry; `None` without an area."""
+    if isinstance(geometry, Spheres):
+        centres, radii = geometry.centres, geometry.radii[:, None]
+        return ((centres - radii).min(axis=0), (centres + radii).max(axis=0)) if len(geometry) else None
+    vertices = geometry.vertices.astype(np.float64)[np.unique(geometry.faces)]
+    if not len(vertices):
+        return None
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    return (low, high) if geometry._geometry.has_area((0.5 * low + 0.5 * high).tolist()) else None
+
+
 def _nodes(
     folder: Path, file_name: str, geometry: TriangleMesh | Spheres, of_object: str
 ) -> tuple[list[dict[str, object]], np.ndarray]:
