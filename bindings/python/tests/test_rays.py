@@ -154,6 +154,8 @@ def test_results_are_arrays_of_the_documented_types():
         (lambda m: rt.TriangleMesh(*box(), quality="best"), "quality"),
         (lambda m: rt.Spheres([[0, 0, 0]], [1, 2]), r"radii of shape \(2,\) does not fit the shape \(1,\)"),
         (lambda m: rt.Spheres([[0, 0, 0], [1, 1, 1]], [1, -1]), "sphere 1: radius -1"),
+        (lambda m: rt.Spheres([[0, 0, 0], [1, 1, 1]], [1, [2, 3]]), "^radii must be a number, or an array of one for each"),
+        (lambda m: rt.TriangleMesh([[0, 0, 0], [1, 1]], [[0, 1, 0]]), "^vertices must be numbers"),
         (lambda m: rt.Spheres([[0, 0, 0]], 1e-320), "sphere 0: radius 1e-320 must be positive"),
         (lambda m: rt.Spheres([[0, 0, 0]], [np.nan]), "sphere 0: radius NaN must be positive"),
         (lambda m: rt.Scene([rt.Instance(m, np.diag([0, 0, 0, 1]))]), "object 0: the transform is singular$"),

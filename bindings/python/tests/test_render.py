@@ -113,6 +113,19 @@ def test_errors_of_geometry_name_arguments_and_quote_no_generated_text():
         assert re.fullmatch(message, str(raised.value))
 
 
+def test_no_line_of_an_error_names_the_scene_file():
+    with pytest.raises(ValueError) as raised:
+        rt.render(rt.Spheres([[0, 0, 0]], 1.0), spp=1, size=(8, 8), fov=1e-320)
+    assert "the field of view is" in str(raised.value)
+    assert not re.search("^camera", str(raised.value), re.M)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_view_longer_than_all_numbers_is_refused_without_a_warning():
+    with pytest.raises(ValueError, match="^look_from: 1e308 is not"):
+        rt.render(rt.Spheres([[0, 0, 0]], 1.0), spp=1, size=(8, 8), look_from=(1e308, 0, 0), look_at=(-1e308, 0, 0))
+
+
 def test_seeds_of_a_table_are_limited_by_their_number(scene):
     with pytest.raises(ValueError, match="^seed 18446744073709551615 is too large for 2 seeds"):
         rt.converge(scene, spp=(1,), seeds=2, seed=2**64 - 1, size=(8, 8))
@@ -132,7 +145,7 @@ def test_tables_hold_the_samples_that_were_rendered(scene):
         ({"spp": (1.5,)}, "spp must be an integer"),
         ({"spp": ()}, "spp must hold"),
         ({"seeds": 0}, "seeds must be an integer from 1"),
-        ({"reference_spp": 0}, "spp must be an integer from 1"),
+        ({"reference_spp": 0}, "^reference_spp must be an integer from 1"),
     ]:
         with pytest.raises(ValueError, match=message):
             rt.converge(scene, **{"spp": (1,), "seeds": 1, "size": (8, 8)} | options)

@@ -96,17 +96,17 @@ def test_refused_changes_leave_the_scene_as_it_is():
         scene.update(remove=[5])
     with pytest.raises(ValueError, match="object 0 is removed twice"):
         scene.update(remove=[0, 0])
-    with pytest.raises(ValueError, match="triangle 1: vertex index 3 is out of range: there are 3 vertices"):
+    with pytest.raises(ValueError, match="^object 0: triangle 1: vertex index 3 is out of range: there are 3 vertices"):
         scene.update(vertices={0: np.zeros((3, 3))}, transforms={1: 2 * np.eye(4)})
     with pytest.raises(ValueError, match="object 1 has no vertices"):
         scene.update(vertices={1: np.zeros((3, 3))})
-    with pytest.raises(ValueError, match="vertex 2 has a coordinate that is not a finite number"):
+    with pytest.raises(ValueError, match="^object 0: vertex 2 has a coordinate that is not a finite number"):
         scene.update(vertices={0: np.where(np.arange(8)[:, None] == 2, np.nan, np.zeros((8, 3)))})
     with pytest.raises(ValueError, match=r"object 0: a transform has the shape \(4, 4\), not \(3, 3\)"):
         scene.update(transforms={0: np.eye(3)})
     with pytest.raises(ValueError, match="object 1: geometry 1: the transform is not uniform"):
         scene.update(transforms={1: np.diag([1.0, 2.0, 1.0, 1.0])})
-    with pytest.raises(ValueError, match=r"vertices must have the shape \(n, 3\), not \(1, 8, 3\)"):
+    with pytest.raises(ValueError, match=r"^object 0: vertices must have the shape \(n, 3\), not \(1, 8, 3\)"):
         scene.update(vertices={0: np.zeros((1, 8, 3))})
     for wrong in ({"remove": [0.9]}, {"remove": ["1"]}, {"transforms": {0.0: np.eye(4)}}):
         with pytest.raises(ValueError, match="numbers of objects are integers, not"):

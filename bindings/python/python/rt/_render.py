@@ -170,8 +170,8 @@ def _of_arguments(message, folder):
     message = re.sub(rf"{re.escape(folder)}\S*?: ", "", message)
     # Excerpts of the scene file: a line of text, and a line that marks the place.
     message = re.sub(r"\n *\d+ \|.*\n *\|.*", "", message)
-    message = re.sub(r"^(camera|film|settings)(\.|: )", "", message)
-    return re.sub(r"^(nodes|groups)[^:]*: ", "scene: ", message)
+    message = re.sub(r"^(camera|film|settings)(\.|: )", "", message, flags=re.M)
+    return re.sub(r"^(nodes|groups)[^:\n]*: ", "scene: ", message, flags=re.M)
 
 
 def _optional(check, what, value, *limits):
@@ -196,9 +196,11 @@ def _camera(
         if name in points and look_from is None:
             raise ValueError(f"{name} needs look_from")
     if points:
-        view = points.get("look_at", np.zeros(3)) - points["look_from"]
-        if not view.any():
+        eye, target = points["look_from"], points.get("look_at", np.zeros(3))
+        if (eye == target).all():
             raise ValueError("look_from and look_at are the same point")
+        # Half of each, so that the difference stays in range.
+        view = 0.5 * target - 0.5 * eye
         if "up" not in points and not view[[0, 2]].any():
             points["up"] = np.array([0.0, 0.0, 1.0])
         if "up" in points and not np.cross(_unit(points["up"]), _unit(view)).any():
@@ -284,7 +286,7 @@ def converge(
     if first_seed + seeds >= 2**64:
         message = f"seed {first_seed} is too large for {seeds} seeds: the reference has the seed {first_seed + seeds}"
         raise ValueError(f"{message}, and the largest one is {2**64 - 1}")
-    reference_spp = min(16 * max(spp), most) if reference_spp is None else reference_spp
+    reference_spp = _optional(_arrays.integer, "reference_spp", reference_spp, 1, most) or min(16 * max(spp), most)
     # A seed of its own: a reference from the same samples would look closer than it is. All of its samples are taken.
     of_reference = {name: value for name, value in options.items() if name not in ("time", "target_error")}
     reference = np.asarray(render(scene, spp=reference_spp, seed=first_seed + seeds, **of_reference), dtype=np.float64)

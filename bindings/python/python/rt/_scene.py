@@ -277,7 +277,8 @@ class TriangleMesh(_Geometry):
 
     @staticmethod
     def _checked(vertices):
-        vertices = _arrays.vectors("vertices", vertices if np.size(vertices) else np.empty((0, 3)))
+        vertices = _arrays.numbers("vertices", vertices)
+        vertices = _arrays.vectors("vertices", vertices if vertices.size else np.empty((0, 3)))
         if vertices.ndim != 2:
             raise ValueError(f"vertices must have the shape (n, 3), not {vertices.shape}")
         return vertices
@@ -329,7 +330,8 @@ class Spheres(_Geometry):
 
     def __init__(self, centres: ArrayLike, radii: ArrayLike, *, quality: str = "balanced") -> None:
         centres = np.ascontiguousarray(_arrays.vectors("centres", centres).reshape(-1, 3), dtype=np.float64)
-        radii = _arrays.parameters("radii", np.atleast_1d(radii), (len(centres),))
+        radii = np.atleast_1d(_arrays.numbers("radii", radii, "must be a number, or an array of one for each"))
+        radii = _arrays.parameters("radii", radii, (len(centres),))
         super().__init__(_rt.SphereSet(centres, radii), quality)
         self.n_spheres = len(centres)
 
@@ -561,7 +563,10 @@ class Scene(_Queries):
         old = _geometry_of(item)
         if not isinstance(old, TriangleMesh):
             raise ValueError(f"object {number} has no vertices: {old!r}")
-        new = old._with_vertices(vertices)
+        try:
+            new = old._with_vertices(vertices)
+        except ValueError as error:
+            raise ValueError(f"object {number}: {error}") from None
         index, _ = self._geometries.pop(id(old))
         self._geometries[id(new)] = (index, new)
         for other, placed in self._objects.items():
