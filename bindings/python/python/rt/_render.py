@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,7 @@ class Image(np.ndarray):
 
     Attributes
     ----------
-    statistics : dict
+    statistics : dict of float
         Numbers of samples and rays, and seconds.
     error : float or None
         Estimated root mean square error of this image over its mean radiance, without bias of the method. `None` if the
@@ -38,11 +38,11 @@ class Image(np.ndarray):
     crops and products.
     """
 
-    statistics: dict
+    statistics: dict[str, float] | None
     error: float | None
     error_interval: tuple[float, float] | None
-    samples_per_pixel: float
-    stopped: str
+    samples_per_pixel: float | None
+    stopped: str | None
 
     def __array_finalize__(self, source):
         vars(self).update(dict.fromkeys(("statistics", "error", "error_interval", "samples_per_pixel", "stopped")))
@@ -72,18 +72,18 @@ class Image(np.ndarray):
 def render(
     scene: str | os.PathLike[str] | Scene | TriangleMesh | Spheres,
     *,
-    spp: int | None = None,
-    size: tuple[int, int] | None = None,
+    spp: SupportsIndex | None = None,
+    size: Iterable[SupportsIndex] | None = None,
     look_from: ArrayLike | None = None,
     look_at: ArrayLike | None = None,
     up: ArrayLike | None = None,
-    fov: float | None = None,
-    seed: int | None = None,
+    fov: SupportsFloat | None = None,
+    seed: SupportsIndex | None = None,
     integrator: str | None = None,
-    depth: int | None = None,
-    time: float | None = None,
-    target_error: float | None = None,
-    threads: int | None = None,
+    depth: SupportsIndex | None = None,
+    time: SupportsFloat | None = None,
+    target_error: SupportsFloat | None = None,
+    threads: SupportsIndex | None = None,
 ) -> Image:
     """Renders a scene.
 
@@ -97,7 +97,7 @@ def render(
         Samples per pixel, by default those of the scene. With `time` or `target_error`, the largest number: by default
         4096 with `target_error`, and 1,048,576 with `time` alone. Numbers that do not suit the sample pattern are rounded
         up, as 3 to 4: ``samples_per_pixel`` of the image is the actual one.
-    size : tuple of int, optional
+    size : iterable of int, optional
         Width and height.
     look_from, look_at : array_like, optional
         Position of the camera and its target, for geometry. With `look_from` alone, the target is the centre of the
@@ -188,7 +188,7 @@ def _size(what, size):
 
 
 def _camera(
-    look_from: ArrayLike | None, look_at: ArrayLike | None, up: ArrayLike | None, fov: float | None
+    look_from: ArrayLike | None, look_at: ArrayLike | None, up: ArrayLike | None, fov: SupportsFloat | None
 ) -> dict[str, object]:
     given = {"look_from": look_from, "look_at": look_at, "up": up}
     points = {name: _point(name, value) for name, value in given.items() if value is not None}
@@ -252,9 +252,9 @@ class ConvergenceRow(NamedTuple):
 def converge(
     scene: str | os.PathLike[str] | Scene | TriangleMesh | Spheres,
     *,
-    spp: Sequence[int] = (1, 4, 16, 64),
-    reference_spp: int | None = None,
-    seeds: int = 4,
+    spp: Iterable[SupportsIndex] = (1, 4, 16, 64),
+    reference_spp: SupportsIndex | None = None,
+    seeds: SupportsIndex = 4,
     **options: Any,
 ) -> list[ConvergenceRow]:
     """Error against run time: renders with rising numbers of samples and compares with a reference.
@@ -262,7 +262,7 @@ def converge(
     Parameters
     ----------
     scene : str or path, Scene, TriangleMesh or Spheres
-    spp : sequence of int
+    spp : iterable of int
         Samples per pixel of each line of the table. `render` rounds them up to what the sample pattern needs.
     reference_spp : int, optional
         Samples per pixel of the reference, by default 16 times the largest of `spp`. Its own error is part of the

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, SupportsIndex
+from collections.abc import Iterable, Mapping
+from typing import Any, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +29,7 @@ class _Queries:
         *,
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
-        threads: int | None = None,
+        threads: SupportsIndex | None = None,
     ) -> Hits:
         """Closest hit of each ray.
 
@@ -78,7 +78,7 @@ class _Queries:
         *,
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
-        threads: int | None = None,
+        threads: SupportsIndex | None = None,
     ) -> NDArray[np.bool_]:
         """True for each ray that hits anything, which is faster than the closest hit.
 
@@ -99,7 +99,7 @@ class _Queries:
         *,
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
-        threads: int | None = None,
+        threads: SupportsIndex | None = None,
     ) -> AllHits:
         """All hits of each ray, each once, in order of t. A sphere is hit twice.
 
@@ -124,7 +124,7 @@ class _Queries:
         *,
         t_min: ArrayLike = 0.0,
         t_max: ArrayLike = np.inf,
-        threads: int | None = None,
+        threads: SupportsIndex | None = None,
     ) -> NDArray[np.int32]:
         """Number of hits of each ray, as `all_hits` lists them.
 
@@ -140,7 +140,7 @@ class _Queries:
         return _arrays.ids(counts, shape)
 
     def nearest_point(
-        self, points: ArrayLike, *, max_distance: float = np.inf, threads: int | None = None
+        self, points: ArrayLike, *, max_distance: SupportsFloat = np.inf, threads: SupportsIndex | None = None
     ) -> NearestPoints:
         """Point of the surface nearest to each point.
 
@@ -170,7 +170,7 @@ class _Queries:
         ids = _arrays.ids(primitive, shape), _arrays.ids(instance, shape)
         return NearestPoints(nearest.reshape(*shape, 3), distance.reshape(shape), *ids)
 
-    def contains(self, points: ArrayLike, *, threads: int | None = None) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike, *, threads: SupportsIndex | None = None) -> NDArray[np.bool_]:
         """True for each point inside a closed mesh or a sphere, or on its surface.
 
         A point is inside a mesh if a ray from it crosses the surface an odd number of times. Crossings are decided
@@ -184,7 +184,7 @@ class _Queries:
         inside = self._core().contains(points.reshape(-1, 3), _arrays.thread_count(threads))
         return inside.reshape(points.shape[:-1])
 
-    def signed_distance(self, points: ArrayLike, *, threads: int | None = None) -> NDArray[np.float64]:
+    def signed_distance(self, points: ArrayLike, *, threads: SupportsIndex | None = None) -> NDArray[np.float64]:
         """Distance of each point from the nearest surface: negative inside, as by `contains`; ``inf`` without a surface.
 
         Points with a coordinate beyond 1e60 in magnitude have the distance ``inf``.
@@ -202,6 +202,8 @@ class _Geometry(_Queries):
     """A geometry, which is a scene of its own as soon as it is queried."""
 
     __slots__ = ("__weakref__", "_geometry", "_lock", "_scene", "quality")
+
+    quality: str
 
     def __init__(self, geometry, quality):
         self._geometry = geometry
@@ -418,7 +420,7 @@ class Scene(_Queries):
 
     Parameters
     ----------
-    objects : sequence of TriangleMesh, Spheres and Instance
+    objects : iterable of TriangleMesh, Spheres and Instance
         Their positions are the numbers of ``instance`` in results. `update` changes them.
     quality : {'fast', 'balanced', 'high'}
         Time to build the trees against time to trace rays.
@@ -438,7 +440,7 @@ class Scene(_Queries):
 
     def __init__(
         self,
-        objects: TriangleMesh | Spheres | Instance | Sequence[TriangleMesh | Spheres | Instance],
+        objects: TriangleMesh | Spheres | Instance | Iterable[TriangleMesh | Spheres | Instance],
         *,
         quality: str = "balanced",
     ) -> None:

@@ -13,7 +13,7 @@ array([ 0.5, -0.5])
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,7 +49,7 @@ class RayMeshIntersector:
         Number of threads, by default all processors.
     """
 
-    def __init__(self, mesh=None, scale_to_box: bool = True, *, geometry=None, threads: int | None = None):
+    def __init__(self, mesh=None, scale_to_box: bool = True, *, geometry=None, threads: SupportsIndex | None = None):
         self.mesh = geometry if mesh is None else mesh
         if self.mesh is None:
             raise TypeError("a RayMeshIntersector takes a mesh")
@@ -81,7 +81,7 @@ class RayMeshIntersector:
         ray_directions: ArrayLike,
         return_locations: bool = False,
         multiple_hits: bool = True,
-        max_hits: int | None = None,
+        max_hits: SupportsIndex | None = None,
         **options: Any,
     ) -> tuple[np.ndarray, ...]:
         """Triangles that rays hit. Hits of a ray at one location, as at an edge, count once.
