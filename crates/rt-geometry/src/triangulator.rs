@@ -21,6 +21,8 @@ pub(crate) struct Triangulator {
     earcut: Earcut<f64>,
     /// The corners of all rings in a row, without repeats, as indices, in space and in the plane of the face.
     corners: Vec<u32>,
+    /// Those that are left out.
+    repeated: Vec<u32>,
     points: Vec<DVec3>,
     flat: Vec<[f64; 2]>,
     hole_starts: Vec<u32>,
@@ -32,6 +34,7 @@ impl Triangulator {
         Self {
             earcut: Earcut::new(),
             corners: Vec::new(),
+            repeated: Vec::new(),
             points: Vec::new(),
             flat: Vec::new(),
             hole_starts: Vec::new(),
@@ -41,13 +44,14 @@ impl Triangulator {
 
     /// Appends the triangles of a face, with the orientation of its outline.
     ///
-    /// Corners at the position of the corner before them are left out. A face whose outline has no area, or with a NaN
-    /// or infinite corner, becomes the fan of its outline. The mesh drops and counts unusable triangles. All rings must
-    /// have at least three corners with valid indices.
+    /// A corner at the position of the corner before it is left out, and becomes a triangle without area. A face whose
+    /// outline has no area, or with a NaN or infinite corner, becomes the fan of its outline. The mesh drops and counts
+    /// unusable triangles. All rings must have at least three corners with valid indices.
     pub(crate) fn append(&mut self, positions: &[Vec3], face: &Face<'_>, triangles: &mut Vec<[u32; 3]>) {
         let mut outline = face.outline;
         let mut start = 0;
         if (outline.len() > 3 || !face.holes.is_empty()) && self.project(positions, face) {
+            triangles.extend(self.repeated.iter().map(|corner| [*corner; 3]));
             let n = self.hole_starts.first().map_or(self.corners.len(), |start| *start as usize);
             let turn_at = |i: usize| turn(self.flat[(i + n - 1) % n], self.flat[i], self.flat[(i + 1) % n]);
             let (mut straightest, mut smallest, mut largest) = (0, turn_at(0), turn_at(0));
@@ -91,6 +95,7 @@ impl Triangulator {
     /// or for non-finite corners.
     fn project(&mut self, positions: &[Vec3], face: &Face<'_>) -> bool {
         self.corners.clear();
+        self.repeated.clear();
         self.points.clear();
         self.hole_starts.clear();
         self.push_ring(positions, face.outline);
@@ -116,13 +121,15 @@ impl Triangulator {
         let start = self.points.len();
         for corner in ring {
             let point = positions[*corner as usize].as_dvec3();
-            if self.points[start..].last() != Some(&point) {
+            if self.points[start..].last() == Some(&point) {
+                self.repeated.push(*corner);
+            } else {
                 self.corners.push(*corner);
                 self.points.push(point);
             }
         }
         while self.points.len() > start + 1 && self.points.last() == self.points.get(start) {
-            self.corners.pop();
+            self.repeated.extend(self.corners.pop());
             self.points.pop();
         }
     }
@@ -159,7 +166,7 @@ mod tests {
             let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
             let cross = (b - a).cross(c - a);
             // Signed: triangles with the wrong orientation or outside of the polygon change the sum.
-            assert!(cross.dot(normal) > 0.0, "{t:?} is turned over");
+            assert!(cross.dot(normal) > 0.0 || t[0] == t[1], "{t:?} is turned over");
             cross.length() / 2.0
         };
         (triangles.iter().map(area).sum(), triangles.len())
@@ -253,13 +260,14 @@ mod tests {
             let outline: Vec<u32> = (0..8).flat_map(|k| vec![k; if k as usize == i { 3 } else { 2 }]).collect();
             triangles.clear();
             Triangulator::new().append(&positions, &Face { outline: &outline, holes: &[] }, &mut triangles);
-            assert_eq!(triangles.len(), 6);
+            assert_eq!(triangles.iter().filter(|[a, b, _]| a != b).count(), 6);
+            assert_eq!(triangles.len(), outline.len() - 2);
         }
-        assert_eq!(triangulated(&twice), (7.0, 6));
+        assert_eq!(triangulated(&twice), (7.0, 14));
         // The last corner is the first, in the outline and in a hole.
         let hole = [[0.25, 0.25], [0.25, 0.75], [0.75, 0.75], [0.75, 0.25]].map(|[x, y]| [x, y, 0.0]);
         twice.rotate_left(1);
-        assert_eq!(triangulated(&twice), (7.0, 6));
+        assert_eq!(triangulated(&twice), (7.0, 14));
         assert_eq!(with_holes(&twice, &[&[hole[0], hole[1], hole[2], hole[2], hole[3], hole[0]]]).0, 6.75);
     }
 
@@ -268,7 +276,7 @@ mod tests {
         let square = [[0., 0., 0.], [0., 0., 0.], [2., 0., 0.], [2., 1., 0.], [0., 1., 0.]].map(Vec3::from);
         let mut triangles = Vec::new();
         Triangulator::new().append(&square, &Face { outline: &[4, 0, 1, 2, 2, 3], holes: &[] }, &mut triangles);
-        assert_eq!(triangles, [[4, 0, 2], [4, 2, 3]]);
+        assert_eq!(triangles, [[1, 1, 1], [2, 2, 2], [4, 0, 2], [4, 2, 3]]);
     }
 
     #[test]
