@@ -95,12 +95,12 @@ fn whitted_absorbed_no_light_on_the_way_from_a_light() {
 
 #[test]
 fn blended_layers_of_several_meshes_shared_one_random_number() {
-    let panes = [(0.5, 0.0), (0.3, -0.5), (0.7, -1.0)];
-    let pane = |height: f32| {
+    let layers = [(0.5, 0.0), (0.3, -0.5), (0.7, -1.0)];
+    let square = |height: f32| {
         let positions =
             [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)].map(|(x, z)| Vec3::new(x, height, z)).to_vec();
         let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() };
-        NamedMesh { name: "pane".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }
+        NamedMesh { name: "square".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }
     };
     let black = |factor| {
         let alpha = Alpha { mode: AlphaMode::Blend, factor, ..Alpha::OPAQUE };
@@ -108,10 +108,10 @@ fn blended_layers_of_several_meshes_shared_one_random_number() {
     };
     let camera = camera([0.0, 5.0, 0.0], [0.0; 3], DVec3::NEG_Z, 0.8);
     let nodes = (0..3).map(|i| node(Content::Mesh(MeshId(i)), i)).collect();
-    let materials = panes.iter().map(|(alpha, _)| black(*alpha)).collect();
+    let materials = layers.iter().map(|(alpha, _)| black(*alpha)).collect();
     let mut scene = scene(camera, [64, 64], materials, nodes);
     scene.settings.spp = 16;
-    scene.meshes = panes.iter().map(|(_, height)| pane(*height)).collect();
+    scene.meshes = layers.iter().map(|(_, height)| square(*height)).collect();
     scene.appearance.background = Background::Constant(Rgb::WHITE);
     for integrator in [Integrator::Path, Integrator::Whitted] {
         scene.settings.integrator = integrator;

@@ -24,7 +24,7 @@ impl Line<'_> {
     }
 }
 
-/// The text of a file. A byte order mark is dropped, line ends of all systems become `\n`, and bytes that are not UTF-8
+/// The text of a file. A byte order mark is dropped, and line ends of all systems become `\n`. Bytes that are not UTF-8
 /// become the characters of Latin-1, so that distinct names stay distinct. The second value is the first line with such
 /// bytes, from 1.
 pub(crate) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<usize>) {

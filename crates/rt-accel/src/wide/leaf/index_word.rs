@@ -4,8 +4,8 @@ use core::ops::Deref;
 
 use super::block::MAX_LEAF;
 
-/// The word of an index. Loads beyond a row of numbers read it as `f32`, where a small index would be subnormal: one operation on it
-/// takes a hundred cycles on many processors. Words are normal for all indices below 2³⁰.
+/// The word of an index. Loads beyond a row of numbers read it as `f32`, where a small index would be subnormal. One operation on such a
+/// number takes a hundred cycles on many processors. Words are normal for all indices below 2³⁰.
 #[derive(Clone, Copy)]
 pub(in crate::wide) struct IndexWord(pub(in crate::wide) u32);
 
