@@ -1,5 +1,5 @@
-//! A few primitives without a tree: spheres and triangles are intersected with eight rays at once, instances with whole
-//! batches.
+//! A few primitives without a tree: spheres, triangles, planes and bounds are tested with eight rays at once, instances
+//! with whole batches.
 
 use rt_geometry::{BatchKernel, Hit, HitStream, Plane, Primitives, Probe, RayStream, padded_bounds};
 use rt_math::{Aabb, DVec3, Interval, Ray};
@@ -18,9 +18,10 @@ const INSTANCE_BATCH: usize = 1024;
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
 /// Tests all by ascending index, with the results and [`Counters`](crate::Counters) of
-/// [`brute_force`](crate::brute_force), bit for bit. Batches intersect [`BatchKernel::Sphere`] and
-/// [`BatchKernel::Triangle`] with eight rays at once. A [`BatchKernel::Instance`] traces many rays of the batch together,
-/// and counts the work of a batch.
+/// [`brute_force`](crate::brute_force), bit for bit. Batches intersect [`BatchKernel::Sphere`],
+/// [`BatchKernel::Triangle`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded
+/// bounds with eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces many rays of the batch
+/// together, and counts the work of a batch.
 ///
 /// ```
 /// use rt_accel::{Aabb, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
