@@ -211,7 +211,7 @@ fn rounded_towards(point: DVec3, side: DVec3) -> DVec3 {
 }
 
 /// Adds a step to each component in the direction of `side`, unless that is 0. The mask is false where a component is not finite, or so
-/// small that steps may underflow. From 0, the step is 2⁻⁹⁷⁰: products with subnormal numbers are slow on many processors.
+/// small that steps may underflow. From 0, the step is 2⁻⁹⁷⁰: products with subnormal numbers are slow on Intel processors.
 ///
 /// The step is more than half the distance to the larger neighbour and at most slightly more than all of it. So
 /// the sum is rounded to that neighbour. The same holds for the smaller neighbour, also across a power of two. Source:

@@ -13,9 +13,10 @@ impl Interval {
     /// All parameters from the origin on: `[0, ∞]`.
     pub const FORWARD: Self = Self { min: 0.0, max: f64::INFINITY };
 
-    /// All parameters in front of the origin of a spawned ray: not 0, and no number so small that products with it may be subnormal.
+    /// All parameters in front of the origin of a spawned ray, from 2⁻⁹⁷⁰ on.
     ///
-    /// One operation on a subnormal number takes a hundred cycles on many processors.
+    /// The least is not 0. Its products with numbers from 2⁻⁵² on are not subnormal: one that is takes a hundred cycles on
+    /// Intel processors.
     pub const SPAWNED: Self = Self { min: f64::MIN_POSITIVE / f64::EPSILON, max: f64::INFINITY };
 
     /// From the origin of a shadow ray to its target: up to 1, as its direction is `target - origin`, and otherwise as

@@ -1,16 +1,16 @@
 //! A few primitives without a tree: spheres, triangles, planes and bounds are tested with eight rays at once, instances
 //! with whole batches.
 
-use rt_geometry::{BatchKernel, Hit, HitStream, Plane, Primitives, Probe, RayStream, padded_bounds};
-use rt_math::{Aabb, DVec3, Interval, Ray};
+use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream, padded_bounds};
+use rt_math::{Aabb, Interval, Ray};
 
-use super::f64x8::{F64x8, PACKET, dot, sub3};
+use super::f64x8::{F64x8, PACKET};
 use super::packet::SWITCH_THRESHOLD;
 use super::packet_spheres::SpherePacket;
-use super::packet_triangles;
 use super::query::{Output, PrimitiveTester, Tester, TraversalStats};
 use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
+use super::{packet_planes, packet_triangles};
 
 /// Rays that an instance is traced with at once. Bounds the memory for copies of rays.
 const INSTANCE_BATCH: usize = 1024;
@@ -374,14 +374,14 @@ impl<O: Output> Batch<'_, O> {
                     uncertain
                 }
                 BatchKernel::Plane(plane) => {
-                    let hits = plane_hits(simd, plane, soa);
+                    let hits = packet_planes::intersect(simd, plane, soa);
                     self.stats.hits += results.accept::<S, O>(simd, number, active, &hits);
                     0
                 }
-                BatchKernel::Instance | BatchKernel::Single => match bounds {
-                    Some(bounds) => active & soa.may_pass(simd, bounds, F64x8::new(simd, results.t)),
-                    None => active,
-                },
+                BatchKernel::Instance | BatchKernel::Single => {
+                    let t = F64x8::new(simd, results.t);
+                    bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, t))
+                }
             };
             while uncertain != 0 {
                 let lane = take_lane(&mut uncertain);
@@ -393,17 +393,6 @@ impl<O: Output> Batch<'_, O> {
             }
         }
     }
-}
-
-/// Hits of eight rays on a plane, as of [`Plane::intersect`].
-#[inline(always)]
-fn plane_hits<S: Simd>(simd: S, plane: &Plane, soa: &RaySoa8<S>) -> PacketHit<S> {
-    let of_plane = |v: DVec3| v.to_array().map(|number| F64x8::splat(simd, number));
-    let normal = of_plane(plane.normal());
-    let to_plane = sub3(simd, of_plane(plane.point()), soa.origin);
-    let t = dot(simd, normal, to_plane).div(simd, dot(simd, normal, soa.direction));
-    let hit = soa.min.le(simd, t) & t.le(simd, soa.max) & t.lt(simd, F64x8::splat(simd, f64::INFINITY));
-    PacketHit { hit, uncertain: 0, t, uv: [F64x8::splat(simd, 0.0); 2] }
 }
 
 /// Traces a stream of rays through the entries of a batch.

@@ -6,7 +6,7 @@ use rt_math::Interval;
 use crate::wide::WideBvh;
 use crate::wide::f64x8::F64x8;
 use crate::wide::frustum::BundleFrustum;
-use crate::wide::leaf::{IndexWord, Lane, LeafView};
+use crate::wide::leaf::{Lane, LeafView};
 use crate::wide::query::{Output, PrimitiveTester};
 use crate::wide::ray::RayF32;
 use crate::wide::ray_f64::RayF64;
@@ -74,7 +74,7 @@ pub(in crate::wide) trait LeafTest: Copy {
     #[inline(always)]
     fn index(leaf: LeafView<'_>, lane: Lane) -> u32 {
         // SAFETY: indices follow the numbers of the leaf's kind, and the lane is less than 8.
-        IndexWord(unsafe { leaf.word(Self::HEADER + Self::NUMBERS * leaf.count + lane.index()) }).index()
+        unsafe { leaf.index(Self::HEADER + Self::NUMBERS * leaf.count + lane.index()) }
     }
 
     /// Exact hit within the span, if the leaf holds an exact copy. Skips all rejections where the hit is `CERTAIN`.

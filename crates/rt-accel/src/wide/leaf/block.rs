@@ -1,5 +1,6 @@
 //! Cache lines of leaves, and the words of one leaf, for writing and for reading.
 
+use super::index_word::IndexWord;
 use crate::wide::simd::Simd;
 
 /// Maximum primitives in a leaf.
@@ -76,7 +77,7 @@ impl LeafView<'_> {
     ///
     /// With the header and the numbers of the leaf's kind, `at` must be less than `header + numbers·count + 8`.
     #[inline(always)]
-    pub(in crate::wide) unsafe fn word(&self, at: usize) -> u32 {
+    unsafe fn word(&self, at: usize) -> u32 {
         debug_assert!(self.first + at < self.words.len());
         // SAFETY: `Leaves::contain` holds, and the caller promises the rest.
         unsafe { *self.words.get_unchecked(self.first + at) }
@@ -89,6 +90,17 @@ impl LeafView<'_> {
     pub(in crate::wide) unsafe fn number(&self, at: usize) -> f32 {
         // SAFETY: as the caller promises.
         f32::from_bits(unsafe { self.word(at) })
+    }
+
+    /// Index of a primitive.
+    ///
+    /// # Safety
+    ///
+    /// See [`word`](Self::word).
+    #[inline(always)]
+    pub(in crate::wide) unsafe fn index(&self, at: usize) -> u32 {
+        // SAFETY: as the caller promises.
+        IndexWord(unsafe { self.word(at) }).index()
     }
 
     /// Eight numbers, the first `count` of which belong to the primitives.

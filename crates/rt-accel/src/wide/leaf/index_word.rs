@@ -1,13 +1,9 @@
 //! Indices of primitives as they are stored in leaves.
 
-use core::ops::Deref;
-
-use super::block::MAX_LEAF;
-
 /// The word of an index. Loads beyond a row of numbers read it as `f32`, where a small index would be subnormal. One operation on such a
-/// number takes a hundred cycles on many processors. Words are normal for all indices below 2³⁰.
+/// number takes a hundred cycles on Intel processors. Words are normal for all indices below 2³⁰.
 #[derive(Clone, Copy)]
-pub(in crate::wide) struct IndexWord(pub(in crate::wide) u32);
+pub(super) struct IndexWord(pub(super) u32);
 
 impl IndexWord {
     /// The bits of the number 2.
@@ -18,35 +14,8 @@ impl IndexWord {
     }
 
     #[inline(always)]
-    pub(in crate::wide) const fn index(self) -> u32 {
+    pub(super) const fn index(self) -> u32 {
         self.0 ^ Self::TWO
-    }
-}
-
-/// Indices of the primitives of a leaf.
-#[derive(Default)]
-pub(in crate::wide) struct LeafIndices {
-    indices: [u32; MAX_LEAF],
-    count: usize,
-}
-
-impl LeafIndices {
-    /// The first eight words.
-    pub(super) fn new(words: &[u32]) -> Self {
-        let mut all = Self::default();
-        for (index, &word) in all.indices.iter_mut().zip(words) {
-            *index = IndexWord(word).index();
-            all.count += 1;
-        }
-        all
-    }
-}
-
-impl Deref for LeafIndices {
-    type Target = [u32];
-
-    fn deref(&self) -> &[u32] {
-        &self.indices[..self.count]
     }
 }
 
@@ -61,6 +30,5 @@ mod tests {
             assert_eq!(word.index(), index);
             assert!(f32::from_bits(word.0).is_normal() || index > 1_000_000_000, "{index}");
         }
-        assert_eq!(LeafIndices::new(&[7, 8].map(|index| IndexWord::new(index).0))[..], [7, 8]);
     }
 }

@@ -1,10 +1,12 @@
 //! All leaves of a tree, and the copies of primitives in them.
 
+use core::ops::Deref;
+
 use glam::DVec3;
 use rt_geometry::{Primitives, padded_bounds};
 
 use super::block::{CacheLine, LINE, LeafMut, LeafView, MAX_LEAF, MAX_LINES};
-use super::index_word::{IndexWord, LeafIndices};
+use super::index_word::IndexWord;
 use super::kind::LeafKind;
 use super::{boxes, spheres, triangles};
 use crate::{bvh::Aabb32, wide::huge_pages::filled, wide::node::Child};
@@ -72,6 +74,33 @@ impl<P: Primitives> LeafWriter<'_, P> {
             LeafKind::Boxes => boxes::fill(&mut block, indices, |index| self.own(index)),
         }
         n_lines
+    }
+}
+
+/// Indices of the primitives of a leaf.
+#[derive(Default)]
+pub(in crate::wide) struct LeafIndices {
+    indices: [u32; MAX_LEAF],
+    count: usize,
+}
+
+impl LeafIndices {
+    /// The first eight words.
+    fn new(words: &[u32]) -> Self {
+        let mut all = Self::default();
+        for (index, &word) in all.indices.iter_mut().zip(words) {
+            *index = IndexWord(word).index();
+            all.count += 1;
+        }
+        all
+    }
+}
+
+impl Deref for LeafIndices {
+    type Target = [u32];
+
+    fn deref(&self) -> &[u32] {
+        &self.indices[..self.count]
     }
 }
 

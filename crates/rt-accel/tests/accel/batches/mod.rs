@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
-use rt_accel::{Aabb, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray};
+use rt_accel::{Aabb, BatchKernel, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray};
 use rt_geometry::{HitStream, RayStream};
 use rt_tests::Draw;
 
@@ -51,6 +51,9 @@ impl Primitives for Counting<'_> {
     }
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
         self.0.geometry(index)
+    }
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        self.0.batch_kernel(index)
     }
 }
 

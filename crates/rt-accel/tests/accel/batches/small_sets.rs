@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
-use rt_accel::{Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, Ray, SphereKernel, brute_force};
+use rt_accel::{
+    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, Ray, SlabRay, SphereKernel, brute_force,
+};
 use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
 
@@ -172,5 +174,40 @@ fn few_rays_need_the_scalar_test() {
         let n_hits = hits.iter().flatten().count();
         let n_single = counting.1.load(Ordering::Relaxed);
         assert!(n_hits > 700 && n_single < 16, "{n_hits} hits, {n_single} of {} scalar tests", 8 * rays.len());
+    }
+}
+
+/// Kernels of boxes run for rays that pass their padded bounds only, and those of planes for none.
+#[test]
+fn bounds_and_planes_are_tested_without_the_scalar_test() {
+    let draw = &mut Draw::new(12);
+    let boxes: Vec<Aabb> = (0..6).map(|_| Aabb::from_points([draw.point(), draw.point() * 0.5])).collect();
+    let soup =
+        Soup([Solid::Ground { height: -0.4 }].into_iter().chain(boxes.iter().map(|&own| Solid::Box(own))).collect());
+    // Some along the axes, also in the planes of sides.
+    let rays: Vec<(Ray, Interval)> = (0..800)
+        .map(|i| {
+            let axis = draw.pick(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+            let direction = if i % 4 == 0 { axis } else { draw.point() };
+            let origin = if i % 8 == 0 { draw.pick(&boxes).min } else { draw.point() * 4.0 };
+            (Ray::new(origin, direction), Interval::FORWARD)
+        })
+        .collect();
+    let pass = |(ray, span): &(Ray, Interval)| {
+        boxes.iter().filter(|own| own.padded().clip(&SlabRay::new(ray), *span).is_some()).count()
+    };
+    let n_passed: usize = rays.iter().map(pass).sum();
+    // Rays along an axis are tested with all boxes.
+    let n_allowed = n_passed + rays.len() / 4 * boxes.len();
+    for level in levels() {
+        let small_set = SmallSet::new(0..7).unwrap().with_level(level);
+        let counting = Counting(&soup, AtomicU32::new(0));
+        let mut hits = vec![None; rays.len()];
+        small_set.closest_batch(&counting, &rays, &mut hits, &mut NoProbe);
+        for (hit, (ray, span)) in hits.iter().zip(&rays) {
+            assert_eq!(key(*hit), key(brute_force::closest(&soup, ray, *span, &mut NoProbe)), "{ray:?} {span:?}");
+        }
+        let n_single = counting.1.load(Ordering::Relaxed) as usize;
+        assert!(n_single <= n_allowed && n_allowed < 2 * rays.len(), "{n_single} scalar tests, {n_allowed} allowed");
     }
 }
