@@ -71,19 +71,13 @@ impl WatertightRay {
     /// Prepares a ray. A ray of direction zero has no hits.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        Self::with_inverse(ray, ray.direction.recip())
-    }
-
-    /// Prepares a ray with known reciprocals of the direction.
-    #[inline(always)]
-    pub fn with_inverse(ray: &Ray, inverse: DVec3) -> Self {
         let size = ray.direction.abs();
         // Branch-free, as directions are random.
         let axis = if size.y > size.z { 1 } else { 2 };
         let axis = if (size.x > size.y) & (size.x > size.z) { 0 } else { axis };
         let axes = CYCLIC[axis];
         let d = permuted(ray.direction, axes);
-        let scale_z = permuted(inverse, axes).z;
+        let scale_z = 1.0 / d.z;
         let Ray { origin, direction, .. } = *ray;
         Self { origin, direction, axes, shear_x: d.x * scale_z, shear_y: d.y * scale_z, scale_z }
     }
@@ -127,36 +121,55 @@ impl WatertightRay {
     /// and vertices belong to the triangle; both sides are hit; `None` exactly edge-on.
     #[inline(always)]
     pub fn intersect(&self, vertices: [DVec3; 3], span: Interval) -> Option<ShapeHit> {
-        let ray_space = self.in_ray_space(vertices);
-        let [u, v, w] = ray_space.areas;
-        // No early exit: the signs are random, and a mispredicted branch costs more than the test.
-        let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
-        if outside | (ray_space.determinant == 0.0) {
+        let [a, b, c] = [self.shear_point(vertices[0]), self.shear_point(vertices[1]), self.shear_point(vertices[2])];
+        // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
+        let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);
+        let (x_two, y_two) = ([b.x, c.x, a.x, 0.0], [b.y, c.y, a.y, 0.0]);
+        let [u, v, w, spare] = differences(products(x_one, y_two), products(y_one, x_two));
+        let size = a.abs().max(b.abs()).max(c.abs());
+        let error = Self::edge_error(size.x.max(size.y), size.z);
+        let is_certain = (u.abs() > error) & (v.abs() > error) & (w.abs() > error) & (spare == 0.0);
+        // Rare cases return by themselves, from numbers that they compute anew. Areas or hits that they could change would be written
+        // to memory and read again for all triangles.
+        if !is_certain {
+            return self.intersect_exactly(vertices, span);
+        }
+        let depths = [a.z * self.scale_z, b.z * self.scale_z, c.z * self.scale_z];
+        let triangle = RaySpaceTriangle { areas: [u, v, w], determinant: u + v + w, depths };
+        if triangle.is_missed() {
             return None;
         }
-        let mut hit = ray_space.hit();
-        if ray_space.has_uncertain_weights() | ray_space.origin_side_uncertain(hit.t) {
-            hit = self.exact_hit(vertices, ray_space);
+        if triangle.determinant.abs() <= error * Self::MIN_DETERMINANT {
+            return self.intersect_exactly(vertices, span);
         }
-        (span.contains(hit.t) & hit.t.is_finite()).then_some(hit)
+        self.hit_within(vertices, &triangle, span)
     }
 
-    /// Hit with accurate weights, and `t` on the correct side of the origin.
+    /// Version of [`intersect`](Self::intersect) with exact signs of the areas and accurate weights.
     #[cold]
     #[inline(never)]
-    fn exact_hit(&self, vertices: [DVec3; 3], mut triangle: RaySpaceTriangle) -> ShapeHit {
-        if triangle.has_uncertain_weights() {
-            let [u, v, w] = self.exact_areas(vertices);
-            (triangle.areas, triangle.determinant) = ([u, v, w], u + v + w);
-        }
-        let mut hit = triangle.hit();
-        if triangle.origin_side_uncertain(hit.t) {
-            hit.t = self.exact_origin_side(vertices, hit.t, triangle.determinant);
-        }
-        hit
+    fn intersect_exactly(&self, vertices: [DVec3; 3], span: Interval) -> Option<ShapeHit> {
+        let depths = vertices.map(|vertex| self.shear_point(vertex).z * self.scale_z);
+        let areas = self.exact_areas(vertices);
+        let triangle = RaySpaceTriangle { areas, determinant: areas[0] + areas[1] + areas[2], depths };
+        if triangle.is_missed() { None } else { self.hit_within(vertices, &triangle, span) }
+    }
+
+    /// The hit on a triangle that is not missed, if it is within the span.
+    #[inline(always)]
+    fn hit_within(&self, vertices: [DVec3; 3], triangle: &RaySpaceTriangle, span: Interval) -> Option<ShapeHit> {
+        let ([u, v, w], [a, b, c]) = (triangle.areas, triangle.depths);
+        let t = (u * a + v * b + w * c) / triangle.determinant;
+        let uv = [v / triangle.determinant, w / triangle.determinant];
+        // Rounding may change the side of the triangle on which the ray starts.
+        let is_near_origin = t.abs() <= Self::ORIGIN_SIDE_BOUND * (a.abs() + b.abs() + c.abs());
+        let t = if is_near_origin { self.exact_origin_side(vertices, t, triangle.determinant) } else { t };
+        (span.contains(t) & t.is_finite()).then_some(ShapeHit { t, uv })
     }
 
     /// Parameter of a plane next to the origin of the ray, on the correct side: 0 if the ray starts in the plane.
+    #[cold]
+    #[inline(never)]
     fn exact_origin_side(&self, vertices: [DVec3; 3], t: f64, determinant: f64) -> f64 {
         let coordinates = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
         let (a, b, c) = (coordinates(vertices[0]), coordinates(vertices[1]), coordinates(vertices[2]));
@@ -173,27 +186,8 @@ impl WatertightRay {
         }
     }
 
-    #[inline(always)]
-    fn in_ray_space(&self, vertices: [DVec3; 3]) -> RaySpaceTriangle {
-        let [a, b, c] = [self.shear_point(vertices[0]), self.shear_point(vertices[1]), self.shear_point(vertices[2])];
-        // Side by side, as vectors: each coordinate of the three vertices twice, turned by one and by two.
-        let (x_one, y_one) = ([c.x, a.x, b.x, 0.0], [c.y, a.y, b.y, 0.0]);
-        let (x_two, y_two) = ([b.x, c.x, a.x, 0.0], [b.y, c.y, a.y, 0.0]);
-        let [u, v, w, spare] = differences(products(x_one, y_two), products(y_one, x_two));
-        let size = a.abs().max(b.abs()).max(c.abs());
-        let error = Self::edge_error(size.x.max(size.y), size.z);
-        let is_certain = (u.abs() > error) & (v.abs() > error) & (w.abs() > error) & (spare == 0.0);
-        let min_determinant = if is_certain { error * Self::MIN_DETERMINANT } else { 0.0 };
-        let areas = if is_certain { [u, v, w] } else { self.exact_areas(vertices) };
-        let [u, v, w] = areas;
-        let depths = [a.z * self.scale_z, b.z * self.scale_z, c.z * self.scale_z];
-        RaySpaceTriangle { areas, determinant: u + v + w, min_determinant, depths }
-    }
-
     /// Areas with exact signs, times a common factor. The ray passes exactly through edges of area 0. The other areas are then those of
     /// the edge or vertex alone, so that all of its triangles are hit at the same `t`.
-    #[cold]
-    #[inline(never)]
     fn exact_areas(&self, vertices: [DVec3; 3]) -> [f64; 3] {
         let [a, b, c] = vertices;
         let volumes = edge_volumes(self.origin, self.direction, [[c, b], [a, c], [b, a]]);
@@ -236,31 +230,18 @@ struct RaySpaceTriangle {
     areas: [f64; 3],
     /// Sum of the areas.
     determinant: f64,
-    /// Up to this determinant, the weights may be too inaccurate; 0 if the areas are exact.
-    min_determinant: f64,
     /// Ray parameters of the vertices.
     depths: [f64; 3],
 }
 
 impl RaySpaceTriangle {
-    /// True if rounding may have changed the weights by more than 2⁻¹⁷.
+    /// True if the ray passes outside of an edge, or edge-on.
     #[inline(always)]
-    fn has_uncertain_weights(&self) -> bool {
-        self.determinant.abs() <= self.min_determinant
-    }
-
-    /// True if rounding may change the side of the triangle on which the ray starts, given the `t` of accurate weights.
-    #[inline(always)]
-    fn origin_side_uncertain(&self, t: f64) -> bool {
-        let [a, b, c] = self.depths;
-        t.abs() <= WatertightRay::ORIGIN_SIDE_BOUND * (a.abs() + b.abs() + c.abs())
-    }
-
-    #[inline(always)]
-    fn hit(&self) -> ShapeHit {
-        let ([u, v, w], [a, b, c]) = (self.areas, self.depths);
-        let t = (u * a + v * b + w * c) / self.determinant;
-        ShapeHit { t, uv: [v / self.determinant, w / self.determinant] }
+    fn is_missed(&self) -> bool {
+        let [u, v, w] = self.areas;
+        // No early exit: the signs are random, and a mispredicted branch costs more than the test.
+        let outside = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
+        outside | (self.determinant == 0.0)
     }
 }
 

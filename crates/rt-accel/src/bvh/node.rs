@@ -255,7 +255,9 @@ impl SlabRay32 {
                 leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
             }
         }
-        ChildHits { enter, leave: leave.map(outward), limit: span.max }
+        // No box behind the origin is entered before it is left if the span begins at the origin, whichever the factor.
+        let leave = if span.min >= 0.0 { leave.map(|t_far| t_far * FAR_FACTOR) } else { leave.map(outward) };
+        ChildHits { enter, leave, limit: span.max }
     }
 }
 

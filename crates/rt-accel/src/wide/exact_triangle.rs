@@ -85,7 +85,7 @@ impl<'a> LeafTriangle<'a> {
         let position = |[x, y, z]: [f32; 3]| DVec3::new(f64::from(x), f64::from(y), f64::from(z));
         let vertices = [position(self.corner::<0>()), position(self.corner::<1>()), position(self.corner::<2>())];
         let slab_ray = SlabRay::new(ray);
-        intersect_triangle(vertices, self.index, &slab_ray, &WatertightRay::with_inverse(ray, slab_ray.inverse), span)
+        intersect_triangle(vertices, self.index, &slab_ray, &WatertightRay::new(ray), span)
     }
 
     #[inline(always)]
