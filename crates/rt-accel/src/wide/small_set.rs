@@ -17,10 +17,10 @@ const INSTANCE_BATCH: usize = 1024;
 
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
-/// Tests all by ascending index, with the results and [`Counters`](crate::Counters) of
-/// [`brute_force`](crate::brute_force), bit for bit. Batches intersect [`BatchKernel::Sphere`],
+/// Tests all by ascending index, with the results of [`brute_force`](crate::brute_force), bit for bit, and its
+/// [`Counters`](crate::Counters) unless there are instances. Batches intersect [`BatchKernel::Sphere`],
 /// [`BatchKernel::Triangle`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded
-/// bounds with eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces many rays of the batch
+/// bounds with eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces the rays that may pass its bounds
 /// together, and counts the work of a batch.
 ///
 /// ```
@@ -151,7 +151,7 @@ impl SmallSet {
             batch.entries = entries;
             (batch.indices, indices) = indices.split_at(entries.len());
             match entries {
-                [entry] if entry.is_instance() => batch.trace_instance(entry.index, rays, outputs),
+                [entry] if entry.is_instance() => batch.trace_instance(self.level, entry, rays, outputs),
                 _ => {
                     let is_traced = entries.iter().any(SetEntry::has_kernel)
                         && O::trace_batch(self.level, &mut batch, rays, outputs);
@@ -174,7 +174,7 @@ struct SetEntry {
     hit_ids: [u32; 2],
     casts_shadow: bool,
     kernel: BatchKernel,
-    /// Padded bounds of a primitive that is intersected ray by ray; `None` if it is unbounded.
+    /// Padded bounds of an instance, or of a primitive that is intersected ray by ray; `None` if it is unbounded.
     bounds: Option<Aabb>,
 }
 
@@ -189,7 +189,10 @@ impl SetEntry {
             hit_ids: primitives.hit_ids(index),
             casts_shadow: primitives.blocks(index),
             kernel,
-            bounds: if kernel == BatchKernel::Single { padded_bounds(primitives, index) } else { None },
+            bounds: match kernel {
+                BatchKernel::Single | BatchKernel::Instance => padded_bounds(primitives, index),
+                _ => None,
+            },
         }
     }
 
@@ -257,26 +260,31 @@ impl<O: Output> Batch<'_, O> {
         }
     }
 
-    /// Traces all rays through an instance, unless their result is final.
-    fn trace_instance(&mut self, index: u32, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+    /// Traces the rays that may pass the bounds of an instance through it, unless their result is final.
+    fn trace_instance(&mut self, level: DetectedSimd, entry: &SetEntry, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+        if self.is_first {
+            outputs.fill(O::default());
+        }
         for (rays, outputs) in rays.chunks(INSTANCE_BATCH).zip(outputs.chunks_mut(INSTANCE_BATCH)) {
-            if self.is_first {
-                outputs.fill(O::default());
-                self.stats.tests += rays.len() as u64;
-                self.tester.test_batch(index, rays, outputs);
-                continue;
+            let mut passing = [0xff; INSTANCE_BATCH / PACKET];
+            if let Some(bounds) = &entry.bounds {
+                // Without kernels at this level, all rays may pass.
+                let _ = level.dispatch_lists(BoundsTest { bounds }, rays, passing.as_mut_slice());
             }
             let mut active = Vec::with_capacity(rays.len());
             let mut batch = Vec::with_capacity(rays.len());
             for (at, ((ray, span), output)) in rays.iter().zip(&*outputs).enumerate() {
-                if !output.is_final() {
+                if output.is_final() {
+                    continue;
+                }
+                self.stats.tests += 1;
+                if passing[at / PACKET] >> (at % PACKET) & 1 == 1 {
                     active.push(at);
                     batch.push((*ray, Interval { max: output.t_max(span.max), ..*span }));
                 }
             }
-            self.stats.tests += batch.len() as u64;
             let mut found = vec![O::default(); batch.len()];
-            self.tester.test_batch(index, &batch, &mut found);
+            self.tester.test_batch(entry.index, &batch, &mut found);
             for (at, found) in active.into_iter().zip(found) {
                 if let Some(output) = outputs.get_mut(at) {
                     output.merge(found);
@@ -391,6 +399,29 @@ impl<O: Output> Batch<'_, O> {
                     results.set::<O>(number, lane, hit.t, hit.uv);
                 }
             }
+        }
+    }
+}
+
+/// Tests which rays may pass bounds within their spans: a bit for each, eight rays at a time.
+struct BoundsTest<'b> {
+    bounds: &'b Aabb,
+}
+
+impl WithSimd<&[(Ray, Interval)], &mut [u8]> for BoundsTest<'_> {
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], passing: &mut [u8]) {
+        for (rays, passing) in rays.chunks(PACKET).zip(passing) {
+            let padded;
+            let packet = if let Ok(packet) = rays.try_into() {
+                packet
+            } else {
+                padded = pad_to_packet(rays);
+                &padded
+            };
+            let soa = RaySoa8::new(simd, packet);
+            let may_pass = soa.may_pass(simd, self.bounds, F64x8::splat(simd, f64::INFINITY));
+            *passing = (may_pass | !soa.in_safe_range(simd)) as u8;
         }
     }
 }

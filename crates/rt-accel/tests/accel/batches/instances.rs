@@ -130,13 +130,16 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
                     n_hits += usize::from(hit.is_some());
                 }
             }
-            assert!(!counts || counted.total() == expected.total(), "round {round}: {counted:?} {expected:?}");
+            // Rays that miss the bounds of an instance do not enter it.
+            let (counted, expected) = (counted.total(), expected.total());
+            let is_less = counted.nodes <= expected.nodes && counted.tests <= expected.tests;
+            assert!(!counts || is_less && counted.hits == expected.hits, "round {round}: {counted:?} {expected:?}");
         }
     }
     assert!(n_hits > 3000, "{n_hits} hits");
 }
 
-/// Bit-identical results; equal counters where the instances' accelerator counts batches as single rays.
+/// Bit-identical results, with no more work than brute force where the instances' accelerator counts batches as single rays.
 #[test]
 fn batches_through_instances_equal_single_queries() {
     let seed = run_seed();
