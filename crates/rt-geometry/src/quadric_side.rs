@@ -113,7 +113,7 @@ fn length(x: f64, z: f64) -> f64 {
 
 /// Dot product of two vectors, to the last digits even if its terms cancel. Then the errors of all products and sums
 /// are added separately (Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005, algorithm 5.3).
-#[inline]
+#[inline(always)]
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     let terms = [a[0] * b[0], a[1] * b[1], a[2] * b[2]];
     let plain = terms[0] + terms[1] + terms[2];
