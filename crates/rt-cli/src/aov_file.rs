@@ -7,7 +7,7 @@ use rt_image::{Development, Image, ImageFormat, Layer, write_image, write_layers
 use rt_render::{FilmLayers, FirstHitLayer, LayerValues, Rendering};
 
 use crate::args::{Aov, AovArg, AovContent, LayerList};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::image_file;
 use crate::output::OutputFile;
 use crate::output_error::OutputError;
@@ -37,10 +37,10 @@ impl AovFile {
             let aov = Self::prepare(arg, inputs)?;
             if aovs.iter().map(Self::output).chain(others.iter().copied()).any(|other| other.is_same_file(&aov.output))
             {
-                return Err(CliError::Usage(format!(
+                return usage(format!(
                     "two outputs have the same file {}; choose another name for one",
                     arg.file.display()
-                )));
+                ));
             }
             aovs.push(aov);
         }
@@ -71,8 +71,7 @@ impl AovFile {
             AovContent::Layers(list) => list.stderr,
         };
         if needs_passes && !several_passes {
-            let message = "--aov stderr needs at least two passes; render with --passes 4";
-            return Err(CliError::Usage(message.to_owned()));
+            return usage("--aov stderr needs at least two passes; render with --passes 4");
         }
         image_file::check(self.output.path(), self.format, size, false)
     }

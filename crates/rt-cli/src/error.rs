@@ -154,6 +154,11 @@ impl CliError {
     }
 }
 
+/// Refuses arguments that do not fit together, or do not fit the scene.
+pub(crate) fn usage<T>(message: impl Into<String>) -> Result<T, CliError> {
+    Err(CliError::Usage(message.into()))
+}
+
 fn saved(image: Option<&Path>) -> String {
     image.map_or_else(
         || "no image was written".to_owned(),

@@ -8,7 +8,7 @@ use rt_image::{
     read_image,
 };
 
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::output::{OutputFile, is_null_device, refuse_terminal};
 use crate::stdin::{self, is_dash};
 
@@ -33,10 +33,9 @@ pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<I
             let extension = extension_of(format);
             let (path, other) = (path.display(), path.with_extension(extension));
             let other = other.display();
-            let message = format!(
+            usage(format!(
                 "--output-format {extension} contradicts the extension of {path}; remove it, or name the file {other}"
-            );
-            Err(CliError::Usage(message))
+            ))
         }
         (Some(format), _) => Ok(format),
         (None, _) if is_dash(path) || is_null_device(path) => Ok(ImageFormat::Png),
@@ -94,15 +93,14 @@ pub(crate) fn check(
     let file = file.display();
     let has_alpha = matches!(format, ImageFormat::Png | ImageFormat::Exr);
     if transparent && !has_alpha {
-        return Err(CliError::Usage(format!(
+        return usage(format!(
             "{file}: a transparent background requires a .png or .exr file; choose another name or background"
-        )));
+        ));
     }
     if format == ImageFormat::Jpeg && width.max(height) > MAX_JPEG_SIDE {
-        let message = format!(
+        return usage(format!(
             "{file}: a .jpg file of {width}x{height} pixels exceeds {MAX_JPEG_SIDE} pixels a side; use .png or .exr"
-        );
-        return Err(CliError::Usage(message));
+        ));
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use rt_scene_io::{
 
 use crate::args::{BackgroundChoice, ImageArgs, InputArgs};
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::identity::hash_bytes;
 use crate::stdin::{self, is_dash};
 
@@ -91,9 +91,7 @@ fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf]) ->
 
 fn environment(file: &Path, options: &LoadOptions) -> Result<Background, CliError> {
     if is_dash(file) && options.in_memory.is_some() {
-        return Err(CliError::Usage(
-            "standard input cannot be both the scene and --env; name a file for one".to_owned(),
-        ));
+        return usage("standard input cannot be both the scene and --env; name a file for one");
     }
     let piped = if is_dash(file) { Some(stdin::content(options.max_file_bytes, None)?) } else { None };
     let in_memory = piped.map(|bytes| InMemoryFile { path: file.to_owned(), bytes });
@@ -111,7 +109,7 @@ impl InputArgs {
             return Ok(());
         }
         match &self.input_format {
-            Some(_) => Err(CliError::Usage("--input-format requires standard input (-) as the scene".to_owned())),
+            Some(_) => usage("--input-format requires standard input (-) as the scene"),
             None => Ok(()),
         }
     }
@@ -129,7 +127,7 @@ pub(crate) fn warn(warnings: &[Warning], console: Console) {
 pub(crate) fn load_options(args: &InputArgs) -> Result<LoadOptions, CliError> {
     match &args.asset_root {
         Some(root) if !root.is_dir() => {
-            Err(CliError::Usage(format!("--asset-root {} is not a directory; choose another one", root.display())))
+            usage(format!("--asset-root {} is not a directory; choose another one", root.display()))
         }
         root => Ok(LoadOptions {
             root: root.clone(),

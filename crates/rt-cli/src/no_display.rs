@@ -4,7 +4,7 @@ use rt_image::Image;
 use rt_render::{Crop, RenderSnapshot};
 
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 
 #[derive(Debug)]
 pub(crate) enum NoDisplay {}
@@ -15,7 +15,7 @@ impl NoDisplay {
     /// # Errors
     /// Always.
     pub(crate) fn connect(address: &str, _: &str, _: Crop, _: bool, _: Console) -> Result<Self, CliError> {
-        Err(CliError::Usage(format!("--display-server {address}: this program is built without the feature `display`")))
+        usage(format!("--display-server {address}: this program is built without the feature `display`"))
     }
 
     pub(crate) const fn tile_done(&mut self, _: &RenderSnapshot<'_>) {

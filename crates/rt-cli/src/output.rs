@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::console::reserve_stdout;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::output_error::OutputError;
 use crate::stdin::is_dash;
 
@@ -74,25 +74,19 @@ impl OutputFile {
         Self::prepare_target(path, path.to_owned(), inputs)
     }
 
+    /// Standard output or the null device.
+    fn no_file(path: &Path, target: &Path, destination: Destination) -> Self {
+        let (path, target, folder) = (path.to_owned(), target.to_owned(), PathBuf::new());
+        Self { path, target, folder, destination, is_text: false }
+    }
+
     fn prepare_target(path: &Path, target: PathBuf, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         if is_dash(path) {
             reserve_stdout();
-            return Ok(Self {
-                path: PathBuf::from(STDOUT),
-                target: PathBuf::from("stdout"),
-                folder: PathBuf::new(),
-                destination: Destination::Stdout,
-                is_text: false,
-            });
+            return Ok(Self::no_file(STDOUT.as_ref(), "stdout".as_ref(), Destination::Stdout));
         }
         if is_null_device(path) {
-            return Ok(Self {
-                path: path.to_owned(),
-                target: path.to_owned(),
-                folder: PathBuf::new(),
-                destination: Destination::Null,
-                is_text: false,
-            });
+            return Ok(Self::no_file(path, path, Destination::Null));
         }
         if target.file_name().is_none() {
             return Err(OutputError::NoName(path.to_owned()));
@@ -211,10 +205,10 @@ impl OutputFile {
 /// Fallback directories, the given one first; it must exist.
 pub(crate) fn fallback_dirs(fallback: Option<&Path>) -> Result<Vec<PathBuf>, CliError> {
     if let Some(folder) = fallback.filter(|folder| !folder.is_dir()) {
-        return Err(CliError::Usage(format!(
+        return usage(format!(
             "--fallback-dir {} is not a directory; create it, or choose another one",
             folder.display()
-        )));
+        ));
     }
     Ok(fallback.map(Path::to_owned).into_iter().chain([env::temp_dir(), PathBuf::from(".")]).collect())
 }
@@ -228,8 +222,7 @@ pub(crate) fn write_all(results: impl IntoIterator<Item = Result<(), OutputError
 /// Refuses binary output to a terminal.
 pub(crate) fn refuse_terminal(path: &Path) -> Result<(), CliError> {
     if is_dash(path) && io::stdout().is_terminal() {
-        let message = "standard output is a terminal: redirect it, or name a file";
-        return Err(CliError::Usage(message.to_owned()));
+        return usage("standard output is a terminal: redirect it, or name a file");
     }
     Ok(())
 }

@@ -2,31 +2,22 @@
 
 use rt_camera::{CameraSettings, Projection};
 use rt_check::short_number;
-use rt_image::Development;
+use rt_image::{Development, Dither};
 use rt_math::{DVec3, Transform};
 use rt_render::PlanOptions;
 use rt_scene_io::{AdaptiveSampling, Background, Integrator, LoadErrorKind, Scene};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, ImageArgs, ViewArgs};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 
-/// Options that override a scene.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Overrides<'a> {
-    pub(crate) image: &'a ImageArgs,
-    pub(crate) development: Option<&'a DevelopmentArgs>,
-    /// Image of `--env`.
-    pub(crate) environment: Option<&'a Background>,
-    /// Memory limit in bytes.
-    pub(crate) memory: Option<u64>,
-    /// Keep sums of each pixel, for stop rules and per-pixel outputs.
-    pub(crate) progressive: bool,
-    /// Keep maps of standard errors and sample counts, for shards.
-    pub(crate) maps: bool,
-}
-
-pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Scene, PlanOptions), CliError> {
-    let Overrides { image: args, development, environment, memory, progressive, maps } = overrides;
+/// Applies options to a scene. `environment` is the image of `--env`, and `memory` the limit in bytes.
+pub(crate) fn resolve(
+    mut scene: Scene,
+    args: &ImageArgs,
+    development: Option<&DevelopmentArgs>,
+    environment: Option<&Background>,
+    memory: Option<u64>,
+) -> Result<(Scene, PlanOptions), CliError> {
     let film = &mut scene.film;
     [film.width, film.height] = args.size.unwrap_or([film.width, film.height]);
     let settings = &mut scene.settings;
@@ -35,9 +26,7 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
     settings.adaptive = adaptive(args, settings.adaptive)?;
     if let Some(min_spp) = args.min_spp.filter(|min_spp| *min_spp > settings.spp) {
         let spp = settings.spp;
-        return Err(CliError::Usage(format!(
-            "--min-spp {min_spp} exceeds the {spp} samples per pixel; lower it, or raise --spp"
-        )));
+        return usage(format!("--min-spp {min_spp} exceeds the {spp} samples per pixel; lower it, or raise --spp"));
     }
     replace(&mut settings.depth, args.max_depth);
     replace(&mut settings.seed, args.seed);
@@ -88,8 +77,8 @@ pub(crate) fn resolve(mut scene: Scene, overrides: Overrides<'_>) -> Result<(Sce
         precision: args.precision,
         quality: args.build_quality,
         memory,
-        progressive,
-        maps,
+        progressive: false,
+        maps: false,
     };
     Ok((scene, options))
 }
@@ -125,8 +114,15 @@ fn adaptive(args: &ImageArgs, of_scene: Option<AdaptiveSampling>) -> Result<Opti
     match (adaptive, args.min_spp) {
         (adaptive, None) => Ok(adaptive),
         (Some(AdaptiveSampling::ObjectSpace { .. }), min_spp) => Ok(Some(AdaptiveSampling::ObjectSpace { min_spp })),
-        (None, Some(_)) => Err(CliError::Usage("--min-spp requires --adaptive object-space".to_owned())),
+        (None, Some(_)) => usage("--min-spp requires --adaptive object-space"),
     }
+}
+
+/// Tone mapping of an image without a scene.
+pub(crate) fn development(args: &DevelopmentArgs) -> Development {
+    let mut development = Development { dither: Some(Dither::default()), ..Development::default() };
+    apply_development(args, &mut development);
+    development
 }
 
 pub(crate) fn apply_development(args: &DevelopmentArgs, development: &mut Development) {
@@ -175,8 +171,7 @@ fn move_camera(args: &ViewArgs, camera: &mut CameraSettings) -> Result<(), CliEr
         match &mut camera.projection {
             Projection::Perspective { fov, .. } => *fov = degrees.to_radians(),
             Projection::Orthographic { .. } => {
-                let message = "--fov does not apply to an orthographic camera; remove it, or choose another --camera";
-                return Err(CliError::Usage(message.to_owned()));
+                return usage("--fov does not apply to an orthographic camera; remove it, or choose another --camera");
             }
         }
     }

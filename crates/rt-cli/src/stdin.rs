@@ -9,7 +9,7 @@ use rt_scene_io::{InMemoryFile, LoadErrorKind, limits};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 
 /// File stem of a scene from standard input.
 const STEM: &str = "stdin";
@@ -29,7 +29,7 @@ pub(crate) fn content(max_bytes: Option<u64>, memory: Option<u64>) -> Result<Arc
         return Ok(content.clone());
     }
     if io::stdin().is_terminal() {
-        return Err(CliError::Usage("standard input is a terminal; pipe a file into it, or name a file".to_owned()));
+        return usage("standard input is a terminal; pipe a file into it, or name a file");
     }
     let failed = |reason: LoadErrorKind| CliError::from(reason.at(Path::new("standard input"), ""));
     let of_file = (max_bytes.unwrap_or(limits::FILE_BYTES), "--max-file-size");

@@ -14,7 +14,7 @@ use self::report::{Comparison, HeatMap};
 use self::verdict::verdict;
 use crate::args::{CompareArgs, HeatMapOf, Metric};
 use crate::console::{print, show};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::image_file;
 use crate::output::OutputFile;
 use crate::stdin::is_dash;
@@ -25,19 +25,17 @@ const SHOWN_ERRORS: f64 = 0.999;
 pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
     let output = args.heat_map.file.as_ref().map(|file| {
         if is_dash(file) && args.json {
-            return Err(CliError::Usage(
-                "the heat map and the report cannot both go to standard output; name a file for one".to_owned(),
-            ));
+            return usage("the heat map and the report cannot both go to standard output; name a file for one");
         }
         if !image_file::is_developed(image_file::chosen_format(file, None)?) {
-            return Err(CliError::Usage(format!("--heat-map {} must be .png or .jpg", file.display())));
+            return usage(format!("--heat-map {} must be .png or .jpg", file.display()));
         }
         Ok(OutputFile::prepare(file, &[args.test.clone(), args.reference.clone()])?)
     });
     let output = output.transpose()?;
     let images = Images::read(args)?;
     if let Some(option) = needs_radiance(args).filter(|_| !images.are_radiance()) {
-        return Err(CliError::Usage(format!("{option} hdr-flip requires linear images: .exr, .hdr or .pfm")));
+        return usage(format!("{option} hdr-flip requires linear images: .exr, .hdr or .pfm"));
     }
     let pair = images.pair(args)?;
     let measures = Measures::new(&pair, &images, args)?;

@@ -23,7 +23,7 @@ use self::report::{Outputs, Report, Setting};
 use self::runner::{BenchRunner, Clock, Extent};
 use crate::args::{ConvergeArgs, ImageArgs, ReferenceKind};
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::input;
 use crate::progress::ProgressDisplay;
 use crate::signals;
@@ -38,7 +38,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     input::print_notes(scene, console)?;
     let mut methods = methods::resolve(args, &input)?;
     let kind = reference_kind(args, scene, &image)?;
-    let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
+    let Some(first) = methods.first() else { return usage("there is no method") };
     let development = first.scene.film.development;
     let given = given_reference(args, kind, first, scene)?;
     let outputs = Outputs::prepare(&folder(args), &input.files)?;
@@ -97,7 +97,7 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
         || view.look_at.is_some()
         || view.up.is_some()
         || view.fov.is_some();
-    let refuse = |message: &str| Err(CliError::Usage(format!("--reference-kind {message}")));
+    let refuse = |message: &str| usage(format!("--reference-kind {message}"));
     match args.reference_kind {
         Some(ReferenceKind::Truth) if scene.truth.is_none() => {
             refuse("truth: the scene declares no mean radiance; choose reference or split")

@@ -7,7 +7,7 @@ use rt_scene_io::{Converted, StudioLights, convert};
 
 use crate::args::{ConvertArgs, InputArgs};
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::input;
 use crate::output::OutputFile;
 use crate::stdin::is_dash;
@@ -25,17 +25,17 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {
     };
     if let Some(format) = args.output_format.as_ref().filter(contradicts) {
         let output = args.output.display();
-        let message =
-            format!("--output-format {format} contradicts the extension of {output}; remove it, or rename the file");
-        return Err(CliError::Usage(message));
+        return usage(format!(
+            "--output-format {format} contradicts the extension of {output}; remove it, or rename the file"
+        ));
     }
     if !is_scene_file(&name) {
-        let message = format!("unknown format of `{}`: use .ron or .json", args.output.display());
-        return Err(CliError::Usage(message));
+        return usage(format!("unknown format of `{}`: use .ron or .json", args.output.display()));
     }
     if args.input.piped.is_some() && !is_scene_file(&args.input.scene) {
-        let message = "a model from standard input cannot be converted, because the scene refers to its file; save it to a file first";
-        return Err(CliError::Usage(message.to_owned()));
+        return usage(
+            "a model from standard input cannot be converted, because the scene refers to its file; save it to a file first",
+        );
     }
     refuse_options_of_renders(&args.input)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.input.scene))?.for_text();
@@ -64,8 +64,7 @@ fn refuse_options_of_renders(input: &InputArgs) -> Result<(), CliError> {
         return Ok(());
     }
     let options = given.join(", ");
-    let message = format!("a converted scene does not depend on {options}: use `render` with {options}");
-    Err(CliError::Usage(message))
+    usage(format!("a converted scene does not depend on {options}: use `render` with {options}"))
 }
 
 fn is_scene_file(path: &Path) -> bool {

@@ -2,28 +2,22 @@
 
 use std::slice;
 
-use rt_image::{Development, Dither, Encoding, ImageFormat, write_image};
+use rt_image::{Development, Encoding, ImageFormat, write_image};
 
 use crate::args::DevelopArgs;
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::image_file::ImageInput;
 use crate::output::OutputFile;
-use crate::{image_file, memory};
+use crate::{image_file, memory, settings};
 
 pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
     let format = image_file::chosen_format(&args.output, args.output_format)?;
     if !image_file::is_developed(format) {
-        let message = format!("--output {} must be .png or .jpg", args.output.display());
-        return Err(CliError::Usage(message));
+        return usage(format!("--output {} must be .png or .jpg", args.output.display()));
     }
-    let standard = Development::default();
-    let development = Development {
-        exposure: args.development.exposure.unwrap_or(standard.exposure),
-        tone: args.development.tone.unwrap_or(standard.tone),
-        encoding: args.gamma.map_or(standard.encoding, Encoding::Power),
-        dither: args.development.dither.unwrap_or(true).then(Dither::default),
-    };
+    let encoding = args.gamma.map_or(Encoding::Srgb, Encoding::Power);
+    let development = Development { encoding, ..settings::development(&args.development) };
     let input = ImageInput::new(&args.image, args.memory.limit())?;
     let header = input.header()?;
     // The decoded file is freed before the display bytes are allocated.

@@ -6,7 +6,7 @@ use crate::args::ExplainArgs;
 use crate::console::{Console, show};
 use crate::error::CliError;
 use crate::input::{self, Input};
-use crate::settings::{self, Overrides};
+use crate::settings;
 
 pub(super) fn run(args: &ExplainArgs) -> Result<(), CliError> {
     let console = Console { quiet: false };
@@ -14,15 +14,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), CliError> {
     if args.strict {
         input::refuse_warnings(&args.input.scene, &scene.warnings)?;
     }
-    let overrides = Overrides {
-        image: &args.image,
-        development: None,
-        environment: environment.as_ref(),
-        memory: loaded.memory.limit(),
-        progressive: false,
-        maps: false,
-    };
-    let (scene, options) = settings::resolve(scene, overrides)?;
+    let (scene, options) = settings::resolve(scene, &args.image, None, environment.as_ref(), loaded.memory.limit())?;
     let plan = RenderPlan::compile(&scene, &options).map_err(|error| CliError::plan(&args.input.scene, error))?;
     input::print_notes(&scene, console)?;
     show(plan.explain())

@@ -13,14 +13,14 @@ use crate::aov_file::AovFile;
 use crate::args::{CheckpointArgs, FrameChoice, RenderArgs};
 use crate::checkpointer::{self, CheckpointOptions};
 use crate::console::{Console, reserve_stdout};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::identity::Identity;
 use crate::image_file;
 use crate::input::{self, Input};
 use crate::job::{Job, JobOutput};
 use crate::output::{OutputFile, is_null_device, refuse_terminal};
 use crate::output_error::OutputError;
-use crate::settings::{self, Overrides};
+use crate::settings;
 use crate::stdin::is_dash;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
@@ -51,13 +51,11 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         console.note("#### is replaced by the number of the frame only with --frames.")?;
     }
     if (is_dash(&path) || is_null_device(&path)) && args.checkpoint.resume && args.checkpoint.checkpoint.is_none() {
-        let message = "--resume requires --checkpoint FILE for an image on standard output or the null device";
-        return Err(CliError::Usage(message.to_owned()));
+        return usage("--resume requires --checkpoint FILE for an image on standard output or the null device");
     }
 
     if args.checkpoint.checkpoint.as_deref().is_some_and(is_dash) {
-        let message = "--checkpoint requires the name of a file: it cannot be read back from standard output";
-        return Err(CliError::Usage(message.to_owned()));
+        return usage("--checkpoint requires the name of a file: it cannot be read back from standard output");
     }
 
     let started = Instant::now();
@@ -67,15 +65,10 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
         input::refuse_warnings(scene_file, &scene.warnings)?;
     }
     let rule = args.stop.rule(args.image.spp);
-    let overrides = Overrides {
-        image: &args.image,
-        development: Some(&args.development),
-        environment: environment.as_ref(),
-        memory: loaded.memory.limit(),
-        progressive: rule.is_some() || args.aov.iter().any(|aov| aov.content.needs_maps()),
-        maps: args.checkpoint.shard.is_some(),
-    };
-    let (scene, options) = settings::resolve(scene, overrides)?;
+    let (development, memory) = (Some(&args.development), loaded.memory.limit());
+    let (scene, mut options) = settings::resolve(scene, &args.image, development, environment.as_ref(), memory)?;
+    options.progressive = rule.is_some() || args.aov.iter().any(|aov| aov.content.needs_maps());
+    options.maps = shard.is_some();
 
     let file = match kind {
         OutputKind::Image(format) => {
@@ -86,7 +79,7 @@ fn image(args: &RenderArgs) -> Result<(), CliError> {
     let stats = args.run.stats.as_deref().map(|path| OutputFile::prepare(path, &files)).transpose()?;
     let stats = stats.map(|stats| stats.for_text().with_extension("json"));
     if stats.as_ref().is_some_and(|stats| stats.is_same_file(&file)) {
-        return Err(CliError::Usage("--output and --stats have the same file; choose another name for one".to_owned()));
+        return usage("--output and --stats have the same file; choose another name for one");
     }
     let mut checkpoint_path = checkpointer::default_path(&args.checkpoint, &file);
     let checkpoint = match &checkpoint_path {
@@ -141,10 +134,10 @@ fn prepare_checkpoint<'a>(
     inputs: &[PathBuf],
 ) -> Result<Option<OutputFile>, CliError> {
     match OutputFile::prepare_over_link(path, inputs) {
-        Ok(checkpoint) if others.any(|other| other.is_same_file(&checkpoint)) => Err(CliError::Usage(format!(
+        Ok(checkpoint) if others.any(|other| other.is_same_file(&checkpoint)) => usage(format!(
             "the checkpoint and another output have the same file {}; choose another --checkpoint",
             checkpoint.path().display()
-        ))),
+        )),
         Ok(checkpoint) => Ok(Some(checkpoint)),
         Err(error @ (OutputError::IsInput(_) | OutputError::BadName { .. })) => Err(error.into()),
         // A pipe or directory is refused when the checkpoint is read.
@@ -163,12 +156,10 @@ fn refuse_for_shards(args: &RenderArgs) -> Result<(), CliError> {
     ];
     match whole.into_iter().find(|(_, is_given)| *is_given && args.checkpoint.shard.is_some()) {
         None => Ok(()),
-        Some(("--aov", _)) => Err(CliError::Usage(
-            "--aov cannot be used with --shard, except with --frames; `merge` writes stderr and samples".to_owned(),
-        )),
-        Some((option, _)) => {
-            Err(CliError::Usage(format!("{option} cannot be used with --shard, except with --frames")))
+        Some(("--aov", _)) => {
+            usage("--aov cannot be used with --shard, except with --frames; `merge` writes stderr and samples")
         }
+        Some((option, _)) => usage(format!("{option} cannot be used with --shard, except with --frames")),
     }
 }
 
@@ -183,13 +174,10 @@ impl OutputKind {
         match (shard, is_part) {
             (Some(_), true) => refuse_terminal(path).map(|()| Self::Shard),
             (None, false) => Ok(Self::Image(image_file::chosen_format(path, format)?)),
-            (Some(_), false) => Err(CliError::Usage(format!(
-                "--shard writes .part files, not {}; `merge` combines them to an image",
-                path.display()
-            ))),
-            (None, true) => {
-                Err(CliError::Usage(format!("{} is a .part file, which needs --shard I/N", path.display())))
+            (Some(_), false) => {
+                usage(format!("--shard writes .part files, not {}; `merge` combines them to an image", path.display()))
             }
+            (None, true) => usage(format!("{} is a .part file, which needs --shard I/N", path.display())),
         }
     }
 }

@@ -30,10 +30,9 @@ use rt_scene_io::Scene;
 
 use crate::args::BrowserArgs;
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::input::{self, Input};
-use crate::settings::{self, Overrides};
-use crate::{memory, signals};
+use crate::{memory, settings, signals};
 
 use access::Access;
 use camera_controller::CameraController;
@@ -48,15 +47,9 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     refuse_what_is_for_render(args)?;
     let Input { scene, environment, options: loaded, .. } = input::read(&args.input, Some(&args.image), console)?;
     let of_scene = scene.film.development;
-    let overrides = Overrides {
-        image: &args.image,
-        development: None,
-        environment: environment.as_ref(),
-        memory: loaded.memory.limit(),
-        progressive: true,
-        maps: false,
-    };
-    let (mut scene, options) = settings::resolve(scene, overrides)?;
+    let (mut scene, mut options) =
+        settings::resolve(scene, &args.image, None, environment.as_ref(), loaded.memory.limit())?;
+    options.progressive = true;
     let mut developments = [of_scene, Development { encoding: of_scene.encoding, ..Development::default() }];
     developments[usize::from(!scene.settings.integrator.follows_light())] = scene.film.development;
     developments.iter_mut().for_each(|development| settings::apply_development(&args.development, development));
@@ -146,9 +139,7 @@ fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
         ("--min-spp", image.min_spp.is_some()),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => {
-            Err(CliError::Usage(format!("{option} is not supported by `view`; remove it, or use `render`")))
-        }
+        Some((option, _)) => usage(format!("{option} is not supported by `view`; remove it, or use `render`")),
         None => Ok(()),
     }
 }

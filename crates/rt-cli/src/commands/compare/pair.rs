@@ -1,12 +1,12 @@
 //! The two images of a comparison.
 
-use rt_image::{Development, Dither, Encoding, Image, ImageFormat, metrics::ImagePair};
+use rt_image::{Development, Encoding, Image, ImageFormat, metrics::ImagePair};
 
 use crate::args::CompareArgs;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::image_file::ImageInput;
 use crate::stdin::is_dash;
-use crate::{image_file, memory};
+use crate::{image_file, memory, settings};
 
 #[derive(Debug)]
 pub(super) struct LoadedImage {
@@ -29,15 +29,9 @@ impl Images {
     /// Reads both images. If only one holds bytes, the other one is tone-mapped as well.
     pub(super) fn read(args: &CompareArgs) -> Result<Self, CliError> {
         if is_dash(&args.test) && is_dash(&args.reference) {
-            return Err(CliError::Usage("standard input cannot be both images: name a file for one".to_owned()));
+            return usage("standard input cannot be both images: name a file for one");
         }
-        let standard = Development::default();
-        let development = Development {
-            exposure: args.development.exposure.unwrap_or(standard.exposure),
-            tone: args.development.tone.unwrap_or(standard.tone),
-            dither: args.development.dither.unwrap_or(true).then(Dither::default),
-            ..standard
-        };
+        let development = settings::development(&args.development);
         let memory = args.memory.limit();
         let inputs = [ImageInput::new(&args.test, memory)?, ImageInput::new(&args.reference, memory)?];
         check_memory(args, &inputs)?;
@@ -52,7 +46,7 @@ impl Images {
             }
         }
         // Both are tone-mapped now.
-        Ok(Self { test, reference, development: standard })
+        Ok(Self { test, reference, development: Development::default() })
     }
 
     pub(super) fn are_radiance(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::measures::Measures;
 use crate::args::{CompareArgs, Metric, name_of};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 
 /// Metric of the exit code.
 #[derive(Clone, Copy, Debug)]
@@ -19,9 +19,7 @@ pub(super) fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict
     };
     match measures.value(metric) {
         Some(value) => Ok(Verdict { metric, value, threshold }),
-        None if metric == Metric::Coverage => {
-            Err(CliError::Usage("--metric coverage requires an image with an alpha channel".to_owned()))
-        }
-        None => Err(CliError::Usage(format!("--metric {} requires images of at least 11x11 pixels", name_of(metric)))),
+        None if metric == Metric::Coverage => usage("--metric coverage requires an image with an alpha channel"),
+        None => usage(format!("--metric {} requires images of at least 11x11 pixels", name_of(metric))),
     }
 }

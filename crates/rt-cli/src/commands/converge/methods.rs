@@ -6,9 +6,9 @@ use rt_scene_io::Scene;
 use serde::Serialize;
 
 use crate::args::{ConvergeArgs, Variation};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::input::Input;
-use crate::settings::{self, Overrides};
+use crate::settings;
 
 /// Limit of the readable plot.
 const MAX_METHODS: usize = 64;
@@ -35,7 +35,7 @@ pub(super) struct MethodName {
 /// Refuses options that are given both with one value and with several.
 pub(super) fn refuse_conflicts(args: &ConvergeArgs) -> Result<(), CliError> {
     args.vary.iter().find(|vary| args.fixed.contains(&vary.key)).map_or(Ok(()), |Variation { key, .. }| {
-        Err(CliError::Usage(format!("--vary {key} conflicts with --{key}; remove one of them")))
+        usage(format!("--vary {key} conflicts with --{key}; remove one of them"))
     })
 }
 
@@ -43,12 +43,11 @@ pub(super) fn refuse_conflicts(args: &ConvergeArgs) -> Result<(), CliError> {
 pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, CliError> {
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
-        let message = format!("--vary {} is given twice; list all values at once, such as {0}=A,B,C", twice.1);
-        return Err(CliError::Usage(message));
+        return usage(format!("--vary {} is given twice; list all values at once, such as {0}=A,B,C", twice.1));
     }
     let count = args.vary.iter().try_fold(1usize, |count, vary| count.checked_mul(vary.values.len()));
     if count.is_none_or(|count| count > MAX_METHODS) {
-        return Err(CliError::Usage(format!("--vary has more than {MAX_METHODS} combinations; vary fewer values")));
+        return usage(format!("--vary has more than {MAX_METHODS} combinations; vary fewer values"));
     }
     combinations(&args.vary).iter().map(|choices| Method::new(args, input, choices)).collect()
 }
@@ -66,15 +65,9 @@ fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
 impl Method {
     fn new(args: &ConvergeArgs, input: &Input, choices: &[(&str, &str)]) -> Result<Self, CliError> {
         let image = args.fixed.with(choices).map_err(|message| CliError::Usage(format!("--vary: {message}")))?;
-        let overrides = Overrides {
-            image: &image,
-            development: Some(&args.development),
-            environment: input.environment.as_ref(),
-            memory: input.options.memory.limit(),
-            progressive: false,
-            maps: false,
-        };
-        let (mut scene, options) = settings::resolve(input.scene.clone(), overrides)?;
+        let Input { scene, environment, options: loaded, .. } = input;
+        let (development, memory) = (Some(&args.development), loaded.memory.limit());
+        let (mut scene, options) = settings::resolve(scene.clone(), &image, development, environment.as_ref(), memory)?;
         let settings = &mut scene.settings;
         settings.spp = args.spp.0[0];
         // The spread comes from the seeds; passes would weaken the sample pattern.

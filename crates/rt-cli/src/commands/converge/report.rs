@@ -14,7 +14,7 @@ use super::runner::Experiment;
 use super::summary::{Precision, Summary, TRUSTED};
 use super::table;
 use crate::args::{ConvergeArgs, ReferenceKind, name_of};
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::output::OutputFile;
 use crate::output_error::OutputError;
 use crate::stdin::is_dash;
@@ -46,8 +46,7 @@ impl Outputs {
     /// Creates the directory if it is missing, and checks that the files are writable.
     pub(super) fn prepare(folder: &Path, inputs: &[PathBuf]) -> Result<Self, CliError> {
         if is_dash(folder) {
-            let message = "--output - is not supported: `converge` writes several files into a directory";
-            return Err(CliError::Usage(message.to_owned()));
+            return usage("--output - is not supported: `converge` writes several files into a directory");
         }
         let mut created = None;
         if !folder.is_dir() {

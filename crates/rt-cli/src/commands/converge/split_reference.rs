@@ -5,7 +5,7 @@ use rt_camera::SamplerKind;
 use super::methods::Method;
 use super::reference::Reference;
 use super::runner::BenchRunner;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 
 /// Samples of the reference relative to the largest sample count: an eighth of the noise, a seventieth of the squared error.
 const TIMES_SAMPLES: u32 = 64;
@@ -33,7 +33,7 @@ pub(super) fn render(
     max_spp: u32,
     planned: u64,
 ) -> Result<Reference, CliError> {
-    let Some(first) = methods.first() else { return Err(CliError::Usage("there is no method".to_owned())) };
+    let Some(first) = methods.first() else { return usage("there is no method") };
     let mut method = first.with_sampler(other_sampler(methods));
     let seed = first.scene.settings.seed.wrapping_add(SEED_DISTANCE);
     let measured = methods.iter().map(|method| method.samples_per_pixel(max_spp)).max().unwrap_or(max_spp);

@@ -8,7 +8,7 @@ use rt_scene_io::InputHashes;
 
 use crate::args::{AovArg, CheckpointArgs, Frames, InputArgs, RenderArgs, RunArgs};
 use crate::console::Console;
-use crate::error::CliError;
+use crate::error::{CliError, usage};
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
 use crate::{checkpointer, image_file, input, signals};
@@ -70,9 +70,9 @@ pub(super) fn all(args: &RenderArgs) -> Result<Frames, CliError> {
     let loaded = input::read(&input, Some(&args.image), Console { quiet: true })?;
     let (scene, fps) = (args.input.scene.display(), args.input.timing.fps);
     let Some(end) = loaded.options.animation_end.seconds() else {
-        return Err(CliError::Usage(format!(
+        return usage(format!(
             "--frames all: nothing in {scene} is animated; remove --frames to render a single image"
-        )));
+        ));
     };
     Frames::of_animation(end, fps).ok_or_else(|| {
         CliError::Usage(format!(
@@ -140,10 +140,10 @@ fn refuse_shared_files(args: &RenderArgs) -> Result<(), CliError> {
     let mut all = args.aov.iter().map(|arg| arg.file.as_path()).chain(others.into_iter().flatten());
     match all.find(|path| numbered(path, 0).is_none()) {
         None => Ok(()),
-        Some(path) => Err(CliError::Usage(format!(
+        Some(path) => usage(format!(
             "all frames would be written to {}: put #### in place of the frame number, such as out-####.png",
             path.display()
-        ))),
+        )),
     }
 }
 
