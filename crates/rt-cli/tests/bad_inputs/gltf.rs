@@ -40,19 +40,17 @@ pub(crate) fn node_cycle_or_two_parents() -> Vec<Input> {
     ]
 }
 
-pub(crate) fn node_depth_50_000() -> Vec<Input> {
+pub(crate) fn node_depth_50_000() -> Input {
     let links: Vec<String> = (1..50_000).map(|child| format!(r#"{{"children": [{child}]}}"#)).collect();
-    vec![
-        gltf(&format!(r#""nodes": [{}, {{}}]"#, links.join(","))).refused(&["m.gltf", "1025, above the limit of 1024"]),
-    ]
+    gltf(&format!(r#""nodes": [{}, {{}}]"#, links.join(","))).refused(&["m.gltf", "1025, above the limit of 1024"])
 }
 
-pub(crate) fn child_index_out_of_range() -> Vec<Input> {
-    vec![gltf(r#""nodes": [{"children": [7]}]"#).refused(&["m.gltf", "nodes[0].children[0]"])]
+pub(crate) fn child_index_out_of_range() -> Input {
+    gltf(r#""nodes": [{"children": [7]}]"#).refused(&["m.gltf", "nodes[0].children[0]"])
 }
 
-pub(crate) fn accessor_count_zero() -> Vec<Input> {
-    vec![positions(&POSITIONS.replace("\"count\": 3", "\"count\": 0")).refused(&["m.gltf: accessors[0]"])]
+pub(crate) fn accessor_count_zero() -> Input {
+    positions(&POSITIONS.replace("\"count\": 3", "\"count\": 0")).refused(&["m.gltf: accessors[0]"])
 }
 
 pub(crate) fn count_times_stride_overflow() -> Vec<Input> {
@@ -65,29 +63,25 @@ pub(crate) fn count_times_stride_overflow() -> Vec<Input> {
     ]
 }
 
-pub(crate) fn buffer_view_past_buffer() -> Vec<Input> {
+pub(crate) fn buffer_view_past_buffer() -> Input {
     let views = VIEWS.replace("36}", "36000}");
-    vec![triangle(&format!("{POSITIONS}, {INDICES}"), &views, BUFFER).refused(&["m.gltf: bufferViews[0]"])]
+    triangle(&format!("{POSITIONS}, {INDICES}"), &views, BUFFER).refused(&["m.gltf: bufferViews[0]"])
 }
 
-pub(crate) fn byte_length_of_a_terabyte() -> Vec<Input> {
+pub(crate) fn byte_length_of_a_terabyte() -> Input {
     let buffer = r#"{"byteLength": 1000000000000, "uri": "data:application/octet-stream;base64,AAAAAA=="}"#;
-    vec![triangle(&format!("{POSITIONS}, {INDICES}"), VIEWS, buffer).refused(&["m.gltf: buffers[0]"])]
+    triangle(&format!("{POSITIONS}, {INDICES}"), VIEWS, buffer).refused(&["m.gltf: buffers[0]"])
 }
 
-pub(crate) fn float_indices() -> Vec<Input> {
+pub(crate) fn float_indices() -> Input {
     let indices = INDICES.replace("5121", "5126").replace("\"bufferView\": 1", "\"bufferView\": 0");
-    vec![
-        accessors(&format!("{POSITIONS}, {indices}"))
-            .refused(&["m.gltf: meshes[0].primitives[0].indices: ", "must hold unsigned"]),
-    ]
+    accessors(&format!("{POSITIONS}, {indices}"))
+        .refused(&["m.gltf: meshes[0].primitives[0].indices: ", "must hold unsigned"])
 }
 
-pub(crate) fn missing_position() -> Vec<Input> {
-    vec![
-        gltf(r#""nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {}}]}]"#)
-            .refused(&["m.gltf: meshes[0].primitives[0]", "POSITION"]),
-    ]
+pub(crate) fn missing_position() -> Input {
+    gltf(r#""nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {}}]}]"#)
+        .refused(&["m.gltf: meshes[0].primitives[0]", "POSITION"])
 }
 
 pub(crate) fn sparse_accessor_out_of_range() -> Vec<Input> {
@@ -123,23 +117,21 @@ pub(crate) fn chunk_order_wrong() -> Vec<Input> {
     ]
 }
 
-pub(crate) fn bad_base64() -> Vec<Input> {
+pub(crate) fn bad_base64() -> Input {
     let buffer = BUFFER.replace("AAEC", "A*EC");
-    vec![triangle(&format!("{POSITIONS}, {INDICES}"), VIEWS, &buffer).refused(&["m.gltf: buffers[0]", "base64"])]
+    triangle(&format!("{POSITIONS}, {INDICES}"), VIEWS, &buffer).refused(&["m.gltf: buffers[0]", "base64"])
 }
 
-pub(crate) fn unknown_required_extension() -> Vec<Input> {
-    vec![
-        gltf(r#""extensionsUsed": ["EXT_not_there"], "extensionsRequired": ["EXT_not_there"]"#)
-            .refused(&["m.gltf", "EXT_not_there"]),
-    ]
+pub(crate) fn unknown_required_extension() -> Input {
+    gltf(r#""extensionsUsed": ["EXT_not_there"], "extensionsRequired": ["EXT_not_there"]"#)
+        .refused(&["m.gltf", "EXT_not_there"])
 }
 
-pub(crate) fn version_9() -> Vec<Input> {
-    vec![Input::file("m.gltf", r#"{"asset": {"version": "9.0"}}"#).refused(&["m.gltf: asset", "9.0"])]
+pub(crate) fn version_9() -> Input {
+    Input::file("m.gltf", r#"{"asset": {"version": "9.0"}}"#).refused(&["m.gltf: asset", "9.0"])
 }
 
-pub(crate) fn scene_without_nodes() -> Vec<Input> {
+pub(crate) fn scene_without_nodes() -> Input {
     let scene = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"name": "empty"}]}"#;
-    vec![Input::file("m.gltf", scene).shown(&["m.gltf: scene: there are no triangles in the scene"])]
+    Input::file("m.gltf", scene).shown(&["m.gltf: scene: there are no triangles in the scene"])
 }

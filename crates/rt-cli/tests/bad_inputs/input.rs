@@ -50,11 +50,18 @@ impl Content {
     }
 }
 
+/// A kind with one example.
+impl From<Input> for Vec<Input> {
+    fn from(input: Input) -> Self {
+        vec![input]
+    }
+}
+
 enum Outcome {
     /// Exit code 3, and a message with these parts.
-    Refused(&'static [&'static str]),
+    Refused(Vec<&'static str>),
     /// An image, and a message with these parts.
-    Shown(&'static [&'static str]),
+    Shown(Vec<&'static str>),
 }
 
 pub(crate) struct Run {
@@ -77,7 +84,13 @@ impl Input {
     }
 
     fn of(name: &str, prepare: Option<fn(&Path)>) -> Self {
-        Self { name: name.to_owned(), files: Vec::new(), has_own_size: false, prepare, outcome: Outcome::Shown(&[]) }
+        Self {
+            name: name.to_owned(),
+            files: Vec::new(),
+            has_own_size: false,
+            prepare,
+            outcome: Outcome::Shown(Vec::new()),
+        }
     }
 
     pub(crate) fn scene(text: &str) -> Self {
@@ -105,13 +118,13 @@ impl Input {
     }
 
     /// It must be refused with a message that has these parts.
-    pub(crate) fn refused(self, parts: &'static [&'static str]) -> Self {
-        Self { outcome: Outcome::Refused(parts), ..self }
+    pub(crate) fn refused(self, parts: &[&'static str]) -> Self {
+        Self { outcome: Outcome::Refused(parts.to_vec()), ..self }
     }
 
     /// It must be shown with a warning that has these parts; without a warning if there are none.
-    pub(crate) fn shown(self, parts: &'static [&'static str]) -> Self {
-        Self { outcome: Outcome::Shown(parts), ..self }
+    pub(crate) fn shown(self, parts: &[&'static str]) -> Self {
+        Self { outcome: Outcome::Shown(parts.to_vec()), ..self }
     }
 
     /// Renders the input, and checks what comes of it.
@@ -120,7 +133,7 @@ impl Input {
         assert!(!said.contains("panicked"), "{case}: {said}");
         assert!(seconds < MAX_SECONDS, "{case} takes {seconds} s: {said}");
         assert!(bytes < MAX_BYTES, "{case} takes {bytes} bytes: {said}");
-        let (expected, parts, files) = match self.outcome {
+        let (expected, parts, files) = match &self.outcome {
             Outcome::Refused(parts) => (3, parts, 0),
             Outcome::Shown(parts) => (0, parts, 1),
         };

@@ -20,13 +20,13 @@ macro_rules! kinds {
     ($($number:literal $module:ident::$name:ident $title:literal)*) => {
         /// Number, name, what is wrong, and examples.
         const KINDS: &[(u8, &str, &str, fn() -> Vec<Input>)] =
-            &[$(($number, stringify!($name), $title, $module::$name)),*];
+            &[$(($number, stringify!($name), $title, || $module::$name().into())),*];
 
         mod each {
             $(
                 #[test]
                 fn $name() {
-                    for input in crate::$module::$name() {
+                    for input in Vec::from(crate::$module::$name()) {
                         input.check(stringify!($name));
                     }
                 }

@@ -8,11 +8,8 @@ fn obj(rest: &str) -> Input {
     Input::file("m.obj", format!("{SQUARE}{rest}"))
 }
 
-pub(crate) fn face_index_zero() -> Vec<Input> {
-    vec![
-        obj("f 0 1 2\n")
-            .refused(&["m.obj:5: vertex 0 of the face is out of range: 4 come before it (indices start at 1)"]),
-    ]
+pub(crate) fn face_index_zero() -> Input {
+    obj("f 0 1 2\n").refused(&["m.obj:5: vertex 0 of the face is out of range: 4 come before it (indices start at 1)"])
 }
 
 pub(crate) fn face_index_beyond_count() -> Vec<Input> {
@@ -22,28 +19,25 @@ pub(crate) fn face_index_beyond_count() -> Vec<Input> {
     ]
 }
 
-pub(crate) fn negative_face_index_beyond_start() -> Vec<Input> {
-    vec![obj("f 1 2 -5\n").refused(&["m.obj:5: vertex -5 of the face is out of range: 4 come before it"])]
+pub(crate) fn negative_face_index_beyond_start() -> Input {
+    obj("f 1 2 -5\n").refused(&["m.obj:5: vertex -5 of the face is out of range: 4 come before it"])
 }
 
-pub(crate) fn face_index_overflow() -> Vec<Input> {
-    vec![
-        obj("f 1 2 9223372036854775808\n")
-            .refused(&["m.obj:5: `9223372036854775808` is not a whole number of 64 bits"]),
-    ]
+pub(crate) fn face_index_overflow() -> Input {
+    obj("f 1 2 9223372036854775808\n").refused(&["m.obj:5: `9223372036854775808` is not a whole number of 64 bits"])
 }
 
-pub(crate) fn face_with_two_vertices() -> Vec<Input> {
-    vec![obj("f 1 2\nf 1 2 3\n").shown(&["m.obj:5: face with fewer than three corners: left out\n"])]
+pub(crate) fn face_with_two_vertices() -> Input {
+    obj("f 1 2\nf 1 2 3\n").shown(&["m.obj:5: face with fewer than three corners: left out\n"])
 }
 
-pub(crate) fn face_with_repeated_vertex() -> Vec<Input> {
-    vec![obj("f 1 2 2\nf 1 2 3\n").shown(&["m.obj", "triangles without area were dropped: 1 of 2"])]
+pub(crate) fn face_with_repeated_vertex() -> Input {
+    obj("f 1 2 2\nf 1 2 3\n").shown(&["m.obj", "triangles without area were dropped: 1 of 2"])
 }
 
-pub(crate) fn million_sided_polygon() -> Vec<Input> {
+pub(crate) fn million_sided_polygon() -> Input {
     let face = Content { head: format!("{SQUARE}f").into(), part: " 1 2 3 4".into(), times: 250_000, tail: Vec::new() };
-    vec![Input::long("m.obj", face).refused(&["m.obj:5: a face has 1000000 corners; it may have at most 100000"])]
+    Input::long("m.obj", face).refused(&["m.obj:5: a face has 1000000 corners; it may have at most 100000"])
 }
 
 pub(crate) fn bent_or_crossed_polygon() -> Vec<Input> {
@@ -77,18 +71,14 @@ pub(crate) fn missing_material_library() -> Vec<Input> {
 }
 
 /// `rt-scene-io/tests/strictness.rs` has more of them, in PLY and pbrt files as well.
-pub(crate) fn surplus_of_models() -> Vec<Input> {
-    vec![
-        Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
-            .with_file("m.mtl", "newmtl a\nKd 1 0 0\nKm 0.5\n")
-            .shown(&["m.mtl:3: unsupported statement `Km`: left out"]),
-    ]
+pub(crate) fn surplus_of_models() -> Input {
+    Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
+        .with_file("m.mtl", "newmtl a\nKd 1 0 0\nKm 0.5\n")
+        .shown(&["m.mtl:3: unsupported statement `Km`: left out"])
 }
 
-pub(crate) fn absolute_texture_of_mtl() -> Vec<Input> {
-    vec![
-        Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
-            .with_file("m.mtl", "newmtl a\nKd 1 0 0\nmap_Kd /absolute.png\n")
-            .shown(&["the path of the image `/absolute.png` is absolute; the plain colour is used"]),
-    ]
+pub(crate) fn absolute_texture_of_mtl() -> Input {
+    Input::file("m.obj", format!("mtllib m.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"))
+        .with_file("m.mtl", "newmtl a\nKd 1 0 0\nmap_Kd /absolute.png\n")
+        .shown(&["the path of the image `/absolute.png` is absolute; the plain colour is used"])
 }

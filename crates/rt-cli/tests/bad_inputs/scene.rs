@@ -4,9 +4,14 @@ use std::fmt::Write;
 
 use crate::input::{Content, Input};
 
+/// Places in the messages about the only node.
+const SHAPE: &str = ": nodes[0].shape: ";
+const TRANSFORM: &str = ": nodes[0].transform";
+
 /// Nodes that are bad in the same way: each is refused, with its place and these parts.
-fn refused_nodes(nodes: &[&str], parts: &'static [&'static str]) -> Vec<Input> {
-    nodes.iter().map(|node| Input::node(node).refused(parts)).collect()
+fn refused_nodes(nodes: &[&str], parts: &[&'static str]) -> Vec<Input> {
+    let parts = [&["scene.ron:1:"], parts].concat();
+    nodes.iter().map(|node| Input::node(node).refused(&parts)).collect()
 }
 
 /// Scenes around a sphere with other fields.
@@ -14,14 +19,20 @@ fn with(fields: &str) -> Input {
     Input::scene(&format!("({fields}, nodes: [(shape: sphere())])"))
 }
 
-/// Scenes that are bad in the same way.
-fn refused(fields: &[&str], parts: &'static [&'static str]) -> Vec<Input> {
-    fields.iter().map(|fields| with(fields).refused(parts)).collect()
+/// Scenes that are bad in the same way: each is refused, with its place and this part.
+fn refused(fields: &[&str], part: &'static str) -> Vec<Input> {
+    fields.iter().map(|fields| with(fields).refused(&["scene.ron:1:", part])).collect()
+}
+
+const MATERIAL: &str = ": materials[\"m\"]";
+
+fn refused_materials(materials: &[&str], part: &'static str) -> Vec<Input> {
+    let fields: Vec<String> = materials.iter().map(|material| format!("materials: {{\"m\": {material}}}")).collect();
+    refused(&fields.iter().map(String::as_str).collect::<Vec<_>>(), part)
 }
 
 pub(crate) fn nan_coordinate() -> Vec<Input> {
-    let mut inputs =
-        refused_nodes(&["shape: sphere(center: (NaN, 0, 0))"], &["scene.ron:1:", ": nodes[0].shape: ", "NaN"]);
+    let mut inputs = refused_nodes(&["shape: sphere(center: (NaN, 0, 0))"], &[SHAPE, "NaN"]);
     inputs.push(
         Input::file("m.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n")
             .shown(&["triangles with a NaN or infinite vertex were dropped: 1 of"]),
@@ -31,21 +42,18 @@ pub(crate) fn nan_coordinate() -> Vec<Input> {
 
 pub(crate) fn infinite_coordinate() -> Vec<Input> {
     let nodes = ["shape: sphere(center: (0, inf, 0))", "shape: box(min: (-inf, 0, 0), max: (1, 1, 1))"];
-    refused_nodes(&nodes, &["scene.ron:1:", ": nodes[0].shape: ", "inf"])
+    refused_nodes(&nodes, &[SHAPE, "inf"])
 }
 
 pub(crate) fn overflowing_number() -> Vec<Input> {
     let json = r#"{"nodes": [{"shape": {"sphere": {"radius": 1e400}}}]}"#;
-    let mut inputs = refused_nodes(&["shape: sphere(radius: 1e400)"], &["scene.ron:1:", ": nodes[0].shape: ", "inf"]);
+    let mut inputs = refused_nodes(&["shape: sphere(radius: 1e400)"], &[SHAPE, "inf"]);
     inputs.push(Input::file("scene.json", json).refused(&["scene.json:1:", "out of range"]));
     inputs
 }
 
 pub(crate) fn coordinate_beyond_1e60() -> Vec<Input> {
-    refused_nodes(
-        &["shape: sphere(center: (1e61, 0, 0))"],
-        &["scene.ron:1:", ": nodes[0].shape: ", "magnitude at most 1e60"],
-    )
+    refused_nodes(&["shape: sphere(center: (1e61, 0, 0))"], &[SHAPE, "magnitude at most 1e60"])
 }
 
 pub(crate) fn comma_decimals() -> Vec<Input> {
@@ -55,17 +63,16 @@ pub(crate) fn comma_decimals() -> Vec<Input> {
     ]
 }
 
-pub(crate) fn unknown_material() -> Vec<Input> {
+pub(crate) fn unknown_material() -> Input {
     let materials = "materials: {\"chrome\": mirror()}";
     let scene = format!("({materials}, nodes: [(shape: sphere(), material: \"crome\")])");
-    vec![Input::scene(&scene).refused(&["scene.ron:1:", ": nodes[0].material: ", "`crome`", "did you mean `chrome`"])]
+    Input::scene(&scene).refused(&["scene.ron:1:", ": nodes[0].material: ", "`crome`", "did you mean `chrome`"])
 }
 
 pub(crate) fn duplicate_names() -> Vec<Input> {
-    refused(
-        &["materials: {\"m\": mirror(), \"m\": mirror()}", "cameras: [(name: \"a\"), (name: \"a\")]"],
-        &["scene.ron", "there are two"],
-    )
+    ["materials: {\"m\": mirror(), \"m\": mirror()}", "cameras: [(name: \"a\"), (name: \"a\")]"]
+        .map(|fields| with(fields).refused(&["scene.ron", "there are two"]))
+        .into()
 }
 
 pub(crate) fn unknown_field() -> Vec<Input> {
@@ -106,37 +113,26 @@ pub(crate) fn include_cycle() -> Vec<Input> {
 }
 
 /// A scene cannot contain scenes at all, and so no chain of them.
-pub(crate) fn include_depth() -> Vec<Input> {
-    vec![
-        Input::node("model: \"other.ron\"")
-            .with_file("other.ron", "(nodes: [])")
-            .refused(&["nodes[0].model: `other.ron` is a scene file, and `model` takes .obj"]),
-    ]
+pub(crate) fn include_depth() -> Input {
+    Input::node("model: \"other.ron\"")
+        .with_file("other.ron", "(nodes: [])")
+        .refused(&["nodes[0].model: `other.ron` is a scene file, and `model` takes .obj"])
 }
 
-fn refused_matrix(matrix: &str, parts: &'static [&'static str]) -> Vec<Input> {
-    vec![Input::node(&format!("shape: sphere(), transform: [matrix({matrix})]")).refused(parts)]
+fn refused_matrix(matrix: &str, part: &'static str) -> Vec<Input> {
+    refused_nodes(&[&format!("shape: sphere(), transform: [matrix({matrix})]")], &[TRANSFORM, part])
 }
 
 pub(crate) fn singular_matrix() -> Vec<Input> {
-    refused_matrix(
-        "(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1)",
-        &["scene.ron:1:", ": nodes[0].transform", "is singular"],
-    )
+    refused_matrix("(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 0), (0, 0, 0, 1)", "is singular")
 }
 
 pub(crate) fn nan_matrix() -> Vec<Input> {
-    refused_matrix(
-        "(1, 0, 0, NaN), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)",
-        &["scene.ron:1:", ": nodes[0].transform", "NaN"],
-    )
+    refused_matrix("(1, 0, 0, NaN), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)", "NaN")
 }
 
 pub(crate) fn projective_matrix() -> Vec<Input> {
-    refused_matrix(
-        "(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1)",
-        &["scene.ron:1:", ": nodes[0].transform", "row"],
-    )
+    refused_matrix("(1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1)", "row")
 }
 
 pub(crate) fn zero_or_negative_size() -> Vec<Input> {
@@ -149,24 +145,24 @@ pub(crate) fn zero_or_negative_size() -> Vec<Input> {
         "shape: torus(tube_radius: 0)",
         "shape: disk(radius: 0)",
     ];
-    refused_nodes(&nodes, &["scene.ron:1:", ": nodes[0].shape: "])
+    refused_nodes(&nodes, &[SHAPE])
 }
 
 pub(crate) fn too_wide_cone() -> Vec<Input> {
     refused_nodes(
         &["shape: double_cone(slope: inf)", "shape: double_cone(slope: 0)", "shape: cone(radius: inf)"],
-        &["scene.ron:1:", ": nodes[0].shape: "],
+        &[SHAPE],
     )
 }
 
 pub(crate) fn box_min_beyond_max() -> Vec<Input> {
-    refused_nodes(&["shape: box(min: (1, 0, 0), max: (0, 1, 1))"], &["scene.ron:1:", ": nodes[0].shape: "])
+    refused_nodes(&["shape: box(min: (1, 0, 0), max: (0, 1, 1))"], &[SHAPE])
 }
 
 pub(crate) fn zero_scale() -> Vec<Input> {
     refused_nodes(
         &["shape: sphere(), transform: [scale(0)]", "shape: sphere(), transform: [stretch(1, 0, 1)]"],
-        &["scene.ron:1:", ": nodes[0].transform"],
+        &[TRANSFORM],
     )
 }
 
@@ -180,7 +176,7 @@ pub(crate) fn impossible_camera() -> Vec<Input> {
             "camera: (fov: NaN)",
             "camera: (orthographic: 0)",
         ],
-        &["scene.ron:1:", ": camera"],
+        ": camera",
     )
 }
 
@@ -190,50 +186,37 @@ pub(crate) fn impossible_lens() -> Vec<Input> {
             "camera: (look_from: (0, 0, 5), lens: (radius: -1))",
             "camera: (look_from: (0, 0, 5), lens: (radius: 0.1, focus: 0))",
         ],
-        &["scene.ron:1:", ": camera"],
+        ": camera",
     )
 }
 
 pub(crate) fn image_of_no_or_too_many_pixels() -> Vec<Input> {
-    let inputs = refused(&["film: (size: (0, 48))", "film: (size: (100000, 100000))"], &["scene.ron:1:", ": film"]);
+    let inputs = refused(&["film: (size: (0, 48))", "film: (size: (100000, 100000))"], ": film");
     inputs.into_iter().map(Input::in_its_own_size).collect()
 }
 
 pub(crate) fn no_or_too_many_samples() -> Vec<Input> {
-    refused(&["settings: (spp: 0)", "settings: (spp: 2147483649)"], &["scene.ron:1:", ": settings.spp"])
+    refused(&["settings: (spp: 0)", "settings: (spp: 2147483649)"], ": settings.spp")
 }
 
 pub(crate) fn negative_depth() -> Vec<Input> {
-    let mut inputs = refused(&["settings: (max_depth: -1)"], &["scene.ron:1:", "from 0 up for `max_depth`"]);
+    let mut inputs = refused(&["settings: (max_depth: -1)"], "from 0 up for `max_depth`");
     // Earlier spellings are explained as well.
-    inputs.extend(refused(&["settings: (depth: -1)"], &["scene.ron:1:", "from 0 up for `depth`"]));
-    inputs.extend(refused(&["settings: (max_depth: 10001)"], &["scene.ron:1:", ": settings.max_depth", "10001"]));
+    inputs.extend(refused(&["settings: (depth: -1)"], "from 0 up for `depth`"));
+    inputs.push(with("settings: (max_depth: 10001)").refused(&["scene.ron:1:", ": settings.max_depth", "10001"]));
     inputs
 }
 
 pub(crate) fn impossible_index_of_refraction() -> Vec<Input> {
-    refused(
-        &[
-            "materials: {\"m\": glass(ior: 0)}",
-            "materials: {\"m\": glass(ior: NaN)}",
-            "materials: {\"m\": phong(transmission: gray(1), ior: -1)}",
-        ],
-        &["scene.ron:1:", ": materials[\"m\"]"],
-    )
+    refused_materials(&["glass(ior: 0)", "glass(ior: NaN)", "phong(transmission: gray(1), ior: -1)"], MATERIAL)
 }
 
 pub(crate) fn albedo_beyond_1() -> Vec<Input> {
-    refused(
-        &["materials: {\"m\": diffuse(albedo: gray(1.5))}", "materials: {\"m\": diffuse(albedo: rgb(0.5, -0.1, 0))}"],
-        &["scene.ron:1:", ": materials[\"m\"]"],
-    )
+    refused_materials(&["diffuse(albedo: gray(1.5))", "diffuse(albedo: rgb(0.5, -0.1, 0))"], MATERIAL)
 }
 
 pub(crate) fn impossible_exponent() -> Vec<Input> {
-    refused(
-        &["materials: {\"m\": phong(exponent: -1)}", "materials: {\"m\": phong(exponent: 2e7)}"],
-        &["scene.ron:1:", ": materials[\"m\"].exponent: "],
-    )
+    refused_materials(&["phong(exponent: -1)", "phong(exponent: 2e7)"], ": materials[\"m\"].exponent: ")
 }
 
 pub(crate) fn impossible_light() -> Vec<Input> {
@@ -243,7 +226,7 @@ pub(crate) fn impossible_light() -> Vec<Input> {
             "lights: [directional(direction: (0, 0, 0))]",
             "lights: [spot(position: (0, 9, 0), direction: (0, 0, 0))]",
         ],
-        &["scene.ron:1:", ": lights[0]"],
+        ": lights[0]",
     )
 }
 
@@ -260,8 +243,8 @@ pub(crate) fn billion_instances() -> Vec<Input> {
     ]
 }
 
-pub(crate) fn no_camera_and_no_lights() -> Vec<Input> {
-    vec![Input::node("shape: sphere()").shown(&["note: The camera has no position", "note: The scene has no lights"])]
+pub(crate) fn no_camera_and_no_lights() -> Input {
+    Input::node("shape: sphere()").shown(&["note: The camera has no position", "note: The scene has no lights"])
 }
 
 /// Notations of other programs, one in each format. `rt-scene-io/tests/scene_io/friendly.rs` has all of them.

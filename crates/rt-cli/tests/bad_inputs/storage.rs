@@ -11,13 +11,13 @@ use crate::input::{Content, Input};
 
 const GOOD: &str = "(lights: [ambient(gray(1))], camera: (look_from: (0, 0, 5)), nodes: [(shape: sphere())])";
 
-pub(crate) fn missing_file() -> Vec<Input> {
-    vec![Input::made("scene.ron", |_| {}).refused(&["scene.ron: does not exist"])]
+pub(crate) fn missing_file() -> Input {
+    Input::made("scene.ron", |_| {}).refused(&["scene.ron: does not exist"])
 }
 
-pub(crate) fn directory() -> Vec<Input> {
+pub(crate) fn directory() -> Input {
     let make = |folder: &Path| fs::create_dir(folder.join("scene.ron")).expect("a folder");
-    vec![Input::made("scene.ron", make).refused(&["scene.ron: is a directory; give the path of a file"])]
+    Input::made("scene.ron", make).refused(&["scene.ron: is a directory; give the path of a file"])
 }
 
 pub(crate) fn unreadable_file() -> Vec<Input> {
@@ -122,9 +122,9 @@ pub(crate) fn references_that_leave_the_folder() -> Vec<Input> {
 }
 
 /// `rt-scene-io/tests/strictness.rs` has all formats and both byte orders.
-pub(crate) fn utf_16() -> Vec<Input> {
+pub(crate) fn utf_16() -> Input {
     let bytes: Vec<u8> = "\u{feff}(nodes: [])".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    vec![Input::file("scene.ron", bytes).refused(&["is text in UTF-16 (little-endian): save it as UTF-8"])]
+    Input::file("scene.ron", bytes).refused(&["is text in UTF-16 (little-endian): save it as UTF-8"])
 }
 
 fn gltf_with_buffer(uri: &str) -> String {

@@ -1,6 +1,6 @@
 //! Sequences of images.
 
-use crate::program::{ANIMATED, Run, Workplace, signal, wait_until};
+use crate::program::{ANIMATED, Run, Workplace};
 
 /// A ball that flies past a camera, which is itself on its way, with the shutter open for half a frame.
 const FLIGHT: &str = "(
@@ -162,15 +162,11 @@ fn a_frame_whose_image_was_replaced_is_rendered_again() {
 fn an_animation_with_an_unfinished_frame_is_refused_before_its_first_frame() {
     let place = flight();
     let command = "render flight.ron -o out-#.pfm --frames 0..2 --size 160x120 --spp 128 --threads 1";
-    let child = place.spawn(&format!("{command} --checkpoint-every 1ms"));
-    wait_until("a checkpoint", || place.path("out-1.pfm.checkpoint").exists());
-    signal(&child, "INT");
-    assert_eq!(Run::end(child).code, Some(130));
+    place.interrupt(&format!("{command} --checkpoint-every 1ms"), "out-1.pfm.checkpoint");
     let message = "frame 1: out-1.pfm.checkpoint is the checkpoint of an unfinished render: continue with --resume";
     let run = place.fails(2, command, message);
     assert_eq!(run.stdout, "");
-    let run = place.succeed(&format!("{command} --resume"));
-    assert!(run.stdout.contains("frame 0 of 0..2 exists already\n"), "{run:?}");
+    place.prints(&format!("{command} --resume"), "frame 0 of 0..2 exists already\n");
 }
 
 #[test]

@@ -125,9 +125,7 @@ fn the_memory_of_the_check_counts() {
     let points: String = (0..(side + 1) * (side + 1)).map(point).collect();
     let faces: String = (0..side * side).map(face).collect();
     let place = Workplace::with("sheet.obj", points + &faces);
-    let refused = place.run("check sheet.obj --memory 25MiB");
-    assert_eq!(refused.code, Some(3), "{refused:?}");
-    assert!(refused.stderr.contains("for the lists of objects, faces and edges of the check"), "{refused:?}");
+    place.fails(3, "check sheet.obj --memory 25MiB", "for the lists of objects, faces and edges of the check");
     place.succeed("explain sheet.obj --memory 25MiB");
     place.succeed("check sheet.obj --memory 40MiB");
 }

@@ -32,8 +32,7 @@ fn help_is_a_command_as_well() {
 #[test]
 fn a_plan_is_explained() {
     let place = Workplace::with_scene();
-    let run = place.succeed("explain scene.ron --accel grid");
-    assert!(run.stdout.contains("plan for 'scene': integrator whitted"), "{run:?}");
+    let run = place.prints("explain scene.ron --accel grid", "plan for 'scene': integrator whitted");
     assert!(run.stdout.contains("accelerator: grid over"), "{run:?}");
     assert!(run.stdout.contains("\nleft out\n  triangles: the scene has none\n"), "{run:?}");
     assert_eq!(place.files(), ["scene.ron"]);

@@ -14,18 +14,10 @@ const LONG: &str = "render scene.ron --integrator path --size 160x120 --spp 24 -
 /// Endless render of slow tiles.
 const ENDLESS: &str = "render scene.ron --integrator path --spp 2000000 --threads 1 -o scene.exr";
 
-/// Interrupts a long render once it has written a checkpoint.
-fn interrupted(place: &Workplace, options: &str) -> Run {
-    let child = place.spawn(&format!("{LONG} --checkpoint-every 1ms {options}"));
-    wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
-    signal(&child, "INT");
-    Run::end(child)
-}
-
 /// Folder of an interrupted render, and its checkpoint.
 fn interrupted_place() -> (Workplace, Vec<u8>) {
     let place = Workplace::with_scene();
-    assert_eq!(interrupted(&place, "").code, Some(130));
+    place.interrupt(&format!("{LONG} --checkpoint-every 1ms"), "scene.exr.checkpoint");
     let kept = place.read("scene.exr.checkpoint");
     (place, kept)
 }
@@ -35,15 +27,13 @@ fn interrupted_place() -> (Workplace, Vec<u8>) {
 fn the_first_signal_saves_and_resume_is_bit_identical() {
     for options in ["", "--passes 7", "--aov samples=samples.pfm --aov stderr=variance.exr --passes 3"] {
         let place = Workplace::with_scene();
-        let run = interrupted(&place, options);
-        assert_eq!(run.code, Some(130), "{run:?}");
+        let run = place.interrupt(&format!("{LONG} --checkpoint-every 1ms {options}"), "scene.exr.checkpoint");
         assert!(run.stderr.contains("interrupted after"), "{run:?}");
         assert!(
             run.stderr.contains("the image was written to scene.exr; --resume continues from scene.exr.checkpoint")
         );
         assert_eq!(place.film("scene.exr").width(), 160);
-        let resumed = place.succeed(&format!("{LONG} --resume {options}"));
-        assert!(resumed.stdout.contains("note: continues from scene.exr.checkpoint, with"), "{resumed:?}");
+        place.prints(&format!("{LONG} --resume {options}"), "note: continues from scene.exr.checkpoint, with");
         assert!(!place.path("scene.exr.checkpoint").exists());
         let reference = Workplace::with_scene();
         reference.succeed(&format!("{LONG} {options}"));
@@ -389,10 +379,7 @@ fn a_render_keeps_the_checkpoint_of_another_one() {
         let first = place.spawn(&format!("{first} --seed 7 --checkpoint-every never --fallback-dir refuge"));
         wait_until("the older checkpoint", || place.path("scene.exr.checkpoint.old").exists());
         signal(&first, "STOP");
-        let second = place.spawn(&format!("{LONG} --seed 8 --checkpoint-every 1ms"));
-        wait_until("a checkpoint", || place.path("scene.exr.checkpoint").exists());
-        signal(&second, "INT");
-        assert_eq!(Run::end(second).code, Some(130));
+        place.interrupt(&format!("{LONG} --seed 8 --checkpoint-every 1ms"), "scene.exr.checkpoint");
         let of_second = place.read("scene.exr.checkpoint");
         // The file that was moved aside is in use by no render.
         assert!(place.read("scene.exr.checkpoint.old") == kept);
@@ -478,8 +465,8 @@ fn the_advice_after_an_interrupt_finds_the_checkpoint_of_the_fallback() {
         let end = if frame.is_empty() { "\n" } else { " with --frames 0\n" };
         assert!(file.starts_with("refuge/rt-cli-") && after.starts_with(end), "{run:?}");
         fs::create_dir(place.path("saved")).expect("created");
-        let resumed = place.succeed(&format!("{command} --resume --checkpoint {file} {frame}"));
-        assert!(resumed.stdout.contains(&format!("note: continues from {file}")), "{resumed:?}");
+        let run = place.succeed(&format!("{command} --resume --checkpoint {file} {frame}"));
+        assert!(run.stdout.contains(&format!("note: continues from {file}")), "{run:?}");
         assert_eq!(place.read(&output.replace("##", "00")), whole.read("scene.exr"), "{output}");
     }
 }

@@ -173,6 +173,24 @@ impl Workplace {
         run
     }
 
+    /// Runs the program, and expects success and a report with these words.
+    pub(crate) fn prints(&self, arguments: &str, words: &str) -> Run {
+        let run = self.succeed(arguments);
+        assert!(run.stdout.contains(words), "{arguments}: {run:?}");
+        run
+    }
+
+    /// Interrupts the program as soon as a file is there, and expects the exit code of interrupts.
+    #[cfg(unix)]
+    pub(crate) fn interrupt(&self, arguments: &str, file: &str) -> Run {
+        let child = self.spawn(arguments);
+        wait_until(file, || self.path(file).exists());
+        signal(&child, "INT");
+        let run = Run::end(child);
+        assert_eq!(run.code, Some(130), "{run:?}");
+        run
+    }
+
     /// Runs the program, and expects this exit code and a message with these words.
     pub(crate) fn fails(&self, code: i32, arguments: &str, words: &str) -> Run {
         let run = self.run(arguments);

@@ -7,8 +7,7 @@ use crate::program::{SCENE, Workplace};
 #[test]
 fn three_lines_are_a_scene() {
     let place = Workplace::with("ball.ron", "(nodes: [\n    (shape: sphere()),\n])");
-    let run = place.succeed("render ball.ron");
-    assert!(run.stdout.contains("wrote ball.png (640x480, "), "{run:?}");
+    place.prints("render ball.ron", "wrote ball.png (640x480, ");
     assert_eq!(place.files(), ["ball.png", "ball.ron"]);
     let film = place.film("ball.png");
     let brightness = |x, y| film.pixel(x, y).expect("inside").luminance();
@@ -108,11 +107,9 @@ fn a_scene_without_a_command_is_rendered() {
 #[test]
 fn rounded_samples_are_announced() {
     let place = Workplace::with_scene();
-    let run = place.succeed("render scene.ron --sampler jittered --spp 10");
-    assert!(
-        run.stdout
-            .contains("note: 16 samples per pixel instead of 10: the next number that the sampler jittered supports\n"),
-        "{run:?}"
+    place.prints(
+        "render scene.ron --sampler jittered --spp 10",
+        "note: 16 samples per pixel instead of 10: the next number that the sampler jittered supports\n",
     );
     let run = place.succeed("render scene.ron --spp 3 --passes 2");
     assert!(run.stdout.contains("note: 4 samples per pixel instead of 3: 2 passes of 2 sobol samples\n"), "{run:?}");

@@ -1,16 +1,15 @@
 //! Images of which several machines render a shard each.
 
-use crate::program::{Run, Workplace, signal, wait_until};
+use crate::program::{Run, Workplace};
 
 const RENDER: &str = "render scene.ron --size 100x70 --integrator path --spp 16";
 
 fn with_parts(count: u32, options: &str) -> Workplace {
     let place = Workplace::with_scene();
     for part in 1..=count {
-        let run = place.succeed(&format!("{RENDER} {options} --shard {part}/{count}"));
-        assert!(
-            run.stdout.contains(&format!("wrote scene.{part}-of-{count}.part (shard {part} of {count}")),
-            "{run:?}"
+        place.prints(
+            &format!("{RENDER} {options} --shard {part}/{count}"),
+            &format!("wrote scene.{part}-of-{count}.part (shard {part} of {count}"),
         );
     }
     place
@@ -107,8 +106,7 @@ fn parts_of_a_scene_that_was_named_without_a_folder_belonged_to_that_folder() {
 fn a_part_that_is_there_is_not_rendered_again() {
     let place = with_parts(2, "");
     let before = place.read("scene.1-of-2.part");
-    let run = place.succeed(&format!("{RENDER} --shard 1/2 --resume"));
-    assert!(run.stdout.contains("scene.1-of-2.part exists and is finished"), "{run:?}");
+    place.prints(&format!("{RENDER} --shard 1/2 --resume"), "scene.1-of-2.part exists and is finished");
     assert_eq!(place.read("scene.1-of-2.part"), before);
     place.fails(3, &format!("{RENDER} --shard 1/2 --resume --seed 3"), "scene.1-of-2.part: is of another image");
 }
@@ -117,11 +115,9 @@ fn a_part_that_is_there_is_not_rendered_again() {
 fn a_finished_part_without_its_statistics_is_rendered_again() {
     let place = with_parts(2, "");
     let resume = format!("{RENDER} --shard 1/2 --resume --stats");
-    let run = place.succeed(&format!("{resume} stats.json"));
-    assert!(run.stdout.contains("wrote scene.1-of-2.part"), "{run:?}");
+    place.prints(&format!("{resume} stats.json"), "wrote scene.1-of-2.part");
     assert!(place.json("stats.json").is_object());
-    let run = place.succeed(&format!("{resume} stats.json"));
-    assert!(run.stdout.contains("scene.1-of-2.part exists and is finished"), "{run:?}");
+    place.prints(&format!("{resume} stats.json"), "scene.1-of-2.part exists and is finished");
     let run = place.succeed(&format!("{resume} -"));
     assert!(run.stdout.starts_with('{'), "{run:?}");
 }
@@ -135,10 +131,7 @@ fn a_checkpoint_next_to_its_finished_part_is_removed() {
         format!("render scene.ron --integrator path --size 160x120 --spp 24 --threads 2 --shard {shard}/2 -o a.part")
     };
     let kept = [1, 2].map(|shard| {
-        let child = place.spawn(&format!("{} --checkpoint-every 1ms", of_shard(shard)));
-        wait_until("a checkpoint", || place.path("a.part.checkpoint").exists());
-        signal(&child, "INT");
-        assert_eq!(Run::end(child).code, Some(130));
+        place.interrupt(&format!("{} --checkpoint-every 1ms", of_shard(shard)), "a.part.checkpoint");
         let kept = place.read("a.part.checkpoint");
         std::fs::remove_file(place.path("a.part.checkpoint")).expect("removed");
         kept
@@ -147,8 +140,7 @@ fn a_checkpoint_next_to_its_finished_part_is_removed() {
     let part = place.read("a.part");
     for (checkpoint, is_removed) in [(&kept[0], true), (&kept[1], false)] {
         place.write("a.part.checkpoint", checkpoint);
-        let run = place.succeed(&format!("{} --resume", of_shard(1)));
-        assert!(run.stdout.contains("a.part exists and is finished"), "{run:?}");
+        place.prints(&format!("{} --resume", of_shard(1)), "a.part exists and is finished");
         assert_eq!(place.path("a.part.checkpoint").exists(), !is_removed);
         assert!(place.read("a.part") == part);
     }

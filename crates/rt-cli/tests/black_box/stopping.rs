@@ -95,18 +95,15 @@ fn statistics_are_two_lines_unless_verbose() {
 #[test]
 fn clamping_is_said_to_be_biased_and_counted() {
     let place = Workplace::with("room.ron", INTERIOR);
-    let run = place.succeed("render room.ron --clamp 0.02 --stats stats.json");
-    assert!(run.stdout.contains("; biased: clamping to 0.02 reduced "), "{run:?}");
+    place.prints("render room.ron --clamp 0.02 --stats stats.json", "; biased: clamping to 0.02 reduced ");
     let clamping = &place.json("stats.json")["clamping"];
     assert!(clamping["contributions"].as_u64().is_some_and(|count| count > 0), "{clamping}");
     assert!(clamping["lost_share"].as_f64().is_some_and(|share| share > 0.0 && share < 1.0), "{clamping}");
-    let run = place.succeed("explain room.ron --clamp 0.02");
-    assert!(run.stdout.contains("indirect light clamped to 0.02 (biased)"), "{run:?}");
+    place.prints("explain room.ron --clamp 0.02", "indirect light clamped to 0.02 (biased)");
     let run = place.succeed("render room.ron --stats stats.json");
     assert!(!run.stdout.contains("biased"), "{run:?}");
     assert_eq!(place.json("stats.json")["clamping"], Value::Null);
-    let run = place.succeed("render room.ron --integrator direct --clamp 0.02");
-    assert!(run.stdout.contains("note: --clamp has no effect: "), "{run:?}");
+    place.prints("render room.ron --integrator direct --clamp 0.02", "note: --clamp has no effect: ");
 }
 
 /// Closed room with a small light.
@@ -134,18 +131,14 @@ fn shares_of_pixels_need_an_error() {
 #[test]
 fn the_error_is_estimated_where_there_are_passes() {
     let place = Workplace::with_scene();
-    let run = place.succeed("render scene.ron");
-    assert!(run.stdout.contains("no error estimate: needs at least two passes (try --passes 4)"), "{run:?}");
-    let run = place.succeed("render scene.ron --spp 16 --passes 4 --stats stats.json");
-    assert!(run.stdout.contains("relative RMSE "), "{run:?}");
+    place.prints("render scene.ron", "no error estimate: needs at least two passes (try --passes 4)");
+    place.prints("render scene.ron --spp 16 --passes 4 --stats stats.json", "relative RMSE ");
     let error = &place.json("stats.json")["estimated_error"];
     let number = |value: &Value| value.as_f64().expect("a number");
     let [low, high] = [0, 1].map(|end| number(&error["rmse_interval"][end]));
     assert!(0.0 < low && low < number(&error["rmse"]) && number(&error["rmse"]) < high, "{error}");
-    let run = place.succeed("render scene.ron --sampler grid --passes 2");
-    assert!(run.stdout.contains("grid samples are the same in every pass"), "{run:?}");
-    let run = place.succeed("render scene.ron --sampler half-jittered --passes 2");
-    assert!(run.stdout.contains("the bias of half-jittered samples adds to it"), "{run:?}");
+    place.prints("render scene.ron --sampler grid --passes 2", "grid samples are the same in every pass");
+    place.prints("render scene.ron --sampler half-jittered --passes 2", "the bias of half-jittered samples adds to it");
 }
 
 #[test]
