@@ -1,21 +1,16 @@
 //! Error of a task that could not run.
 
 use std::{
-    io,
+    error::Error,
     path::{Path, PathBuf},
 };
 
 /// A task that could not do its work, as opposed to one that found something wrong.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TaskError {
+    /// A file that cannot be read, written, or understood.
     #[error("{}: {source}", path.display())]
-    File { path: PathBuf, source: io::Error },
-    #[error("{}: {source}", path.display())]
-    Image { path: PathBuf, source: image::ImageError },
-    #[error("{}: {source}", path.display())]
-    Toml { path: PathBuf, source: toml::de::Error },
-    #[error("{}: {source}", path.display())]
-    Json { path: PathBuf, source: serde_json::Error },
+    File { path: PathBuf, source: Box<dyn Error + Send + Sync> },
     #[error("`{command}` cannot be run: {reason}")]
     Command { command: String, reason: String },
     #[error("{0}")]
@@ -27,9 +22,9 @@ impl TaskError {
         Self::Other(error.to_string())
     }
 
-    /// Names the file that an I/O error is about.
-    pub(crate) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self + use<> {
+    /// Names the file that an error is about.
+    pub(crate) fn file<E: Error + Send + Sync + 'static>(path: &Path) -> impl FnOnce(E) -> Self + use<E> {
         let path = path.to_path_buf();
-        move |source| Self::File { path, source }
+        move |source| Self::File { path, source: source.into() }
     }
 }

@@ -20,7 +20,7 @@ pub(crate) fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), TaskE
 }
 
 pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, TaskError> {
-    serde_json::from_str(&read(path)?).map_err(|source| TaskError::Json { path: path.to_owned(), source })
+    serde_json::from_str(&read(path)?).map_err(TaskError::file(path))
 }
 
 /// Replaces the part of a page between `<!-- NAME -->` and `<!-- /NAME -->`, each on a line of its own.

@@ -69,7 +69,7 @@ impl Workspace {
         let mut command = cargo();
         command.args(["metadata", "--format-version", "1", "--no-deps", "--manifest-path"]).arg(&manifest);
         let metadata = output_of(&mut command)?;
-        serde_json::from_str(&metadata).map_err(|source| TaskError::Json { path: manifest, source })
+        serde_json::from_str(&metadata).map_err(TaskError::file(&manifest))
     }
 
     /// A fresh, empty folder below the target folder.

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use rt_accel::{AcceleratorKind, wide::Quality};
+use rt_accel::AcceleratorKind;
 use serde::Serialize;
 
 use crate::error::TaskError;
@@ -16,16 +16,15 @@ pub(super) fn print(results: &impl Serialize, table: &impl Display) -> Result<()
     Ok(())
 }
 
-/// Parses the name of an accelerator.
-pub(super) fn accelerator() -> impl TypedValueParser<Value = AcceleratorKind> {
-    let names = PossibleValuesParser::new(AcceleratorKind::ALL.iter().map(|kind| kind.name()));
-    names.try_map(|name| {
-        AcceleratorKind::ALL.iter().copied().find(|kind| kind.name() == name).ok_or("no such accelerator")
-    })
+/// Parses the name of one of these values.
+pub(super) fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let names = PossibleValuesParser::new(all.iter().map(|&value| name(value)));
+    names.try_map(move |typed| all.iter().copied().find(|&value| name(value) == typed).ok_or("no such name"))
 }
 
-/// Parses the name of a build quality.
-pub(super) fn quality() -> impl TypedValueParser<Value = Quality> {
-    let names = PossibleValuesParser::new(Quality::ALL.iter().map(|quality| quality.name()));
-    names.try_map(|name| Quality::ALL.iter().copied().find(|quality| quality.name() == name).ok_or("no such quality"))
+pub(super) fn accelerator() -> impl TypedValueParser<Value = AcceleratorKind> {
+    named(AcceleratorKind::ALL, AcceleratorKind::name)
 }

@@ -164,11 +164,10 @@ impl Display for LoadResults {
         let header = ["file", "MiB in the file", "load s (min..max)", "build s", "peak MiB of the process"];
         let mut table = Table::new(1, header);
         for file in &self.files {
-            let Spread { median, min, max } = file.load_seconds;
             table.push([
                 file.file.clone(),
                 mebibytes(file.bytes),
-                format!("{} ({}..{})", per_million(median), per_million(min), per_million(max)),
+                file.load_seconds.shown(per_million),
                 per_million(file.build_seconds.median),
                 mebibytes(file.peak_bytes),
             ]);

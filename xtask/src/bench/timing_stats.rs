@@ -17,6 +17,11 @@ impl Spread {
         let at = |index: usize| figures.get(index).copied().unwrap_or(f64::NAN);
         Self { median: at(figures.len() / 2), min: at(0), max: at(figures.len().saturating_sub(1)) }
     }
+
+    /// `MEDIAN (MIN..MAX)`.
+    pub(super) fn shown(self, number: impl Fn(f64) -> String) -> String {
+        format!("{} ({}..{})", number(self.median), number(self.min), number(self.max))
+    }
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ pub(crate) fn run(workspace: &Workspace, options: &CostsOptions) -> Result<(), T
     let costs = Costs { growth: growth::of(&figures), figures };
     let path = workspace.fresh_folder("costs")?.join("costs.json");
     let file = fs::File::create(&path).map_err(TaskError::file(&path))?;
-    serde_json::to_writer_pretty(file, &costs).map_err(|source| TaskError::Json { path, source })?;
+    serde_json::to_writer_pretty(file, &costs).map_err(TaskError::file(&path))?;
     print!("{}", page::terminal(&costs));
     if options.write {
         let path = workspace.root.join("docs/COSTS.md");

@@ -68,8 +68,8 @@ fn guide(workspace: &Workspace) -> Result<(), TaskError> {
 fn image(renderer: &Renderer, folder: &Path, scene: &Path, name: &str, options: &[&str]) -> Result<Vec<u8>, TaskError> {
     renderer.render(folder, scene, name, options.iter().copied())?;
     let path = folder.join(name);
-    let image = image::open(&path).map_err(|source| TaskError::Image { path: path.clone(), source })?;
-    let bytes = compact::png(&image.to_rgb8()).map_err(|source| TaskError::Image { path: path.clone(), source })?;
+    let image = image::open(&path).map_err(TaskError::file(&path))?;
+    let bytes = compact::png(&image.to_rgb8()).map_err(TaskError::file(&path))?;
     files::write(&path, &bytes)?;
     if bytes.len() > LARGEST {
         return Err(TaskError::Other(format!("{}: {} bytes are too many", path.display(), bytes.len())));

@@ -56,8 +56,7 @@ impl GoldenCase {
     /// Reads `case.toml` in `folder`.
     pub(crate) fn load(folder: &Path) -> Result<Self, TaskError> {
         let path = folder.join("case.toml");
-        let text = files::read(&path)?;
-        toml::from_str(&text).map_err(|source| TaskError::Toml { path, source })
+        toml::from_str(&files::read(&path)?).map_err(TaskError::file(&path))
     }
 
     pub(crate) fn scene_path(&self, folder: &Path, root: &Path) -> PathBuf {

@@ -119,8 +119,7 @@ pub(super) fn near_reference(
         Ok(difference) => {
             let near =
                 difference.rmse <= reference.max_rmse && difference.outlier_share() <= reference.max_outlier_share;
-            let line = format!("against {}: {difference}", reference.image.display());
-            if near { findings.note(line) } else { findings.problem(line) }
+            findings.line(near, format!("against {}: {difference}", reference.image.display()));
         }
         Err(error) => findings.problem(error.to_string()),
     }
@@ -131,11 +130,7 @@ fn near_truth(linear: &Path, truth: &KnownMean, findings: &mut Findings) -> Resu
     let mean = mean(image.pixels());
     let near = mean.iter().zip(truth.mean).all(|(mean, truth_mean)| (mean - truth_mean).abs() <= truth.tolerance);
     let line = format!("mean radiance {mean:?}, {} gives {:?} ± {}", truth.note, truth.mean, truth.tolerance);
-    if near {
-        findings.note(line)
-    } else {
-        findings.problem(line)
-    }
+    findings.line(near, line);
     Ok(())
 }
 
@@ -157,12 +152,11 @@ fn known_failure(findings: Findings, reason: &str) -> Findings {
 }
 
 pub(super) fn open(path: &Path) -> Result<RgbaImage, TaskError> {
-    let image = image::open(path).map_err(|source| TaskError::Image { path: path.to_path_buf(), source })?;
-    Ok(image.into_rgba8())
+    Ok(image::open(path).map_err(TaskError::file(path))?.into_rgba8())
 }
 
 pub(super) fn save(image: &RgbaImage, path: &Path) -> Result<(), TaskError> {
-    image.save(path).map_err(|source| TaskError::Image { path: path.to_path_buf(), source })
+    image.save(path).map_err(TaskError::file(path))
 }
 
 #[cfg(test)]

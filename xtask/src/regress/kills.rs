@@ -12,6 +12,7 @@ use super::unit::{Context, Findings, Trial, Unit};
 use crate::{
     error::TaskError,
     renderer::{Exit, Renderer},
+    workspace::sorted_entries,
 };
 
 /// A render with its own kind of checkpoint.
@@ -132,14 +133,12 @@ impl Kills {
 /// All files of a folder but the log, with their names.
 fn files(folder: &Path) -> Result<Vec<(String, Vec<u8>)>, TaskError> {
     let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(TaskError::file(folder))? {
-        let path = entry.map_err(TaskError::file(folder))?.path();
+    for path in sorted_entries(folder)? {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if name != "log.txt" {
             files.push((name, fs::read(&path).map_err(TaskError::file(&path))?));
         }
     }
-    files.sort();
     Ok(files)
 }
 

@@ -87,14 +87,13 @@ impl Unit for Precision {
 impl Precision {
     /// Images in `f32` and in `f64`.
     fn images(&self, context: &Context, folder: &Path, size: &[&str], spp: &str) -> Result<[Image; 2], TaskError> {
-        let mut images = Vec::new();
-        for precision in ["f32", "f64"] {
-            let args =
-                size.iter().copied().chain(["--integrator", self.integrator, "--precision", precision, "--spp", spp]);
+        let image = |precision| {
+            let options = ["--integrator", self.integrator, "--precision", precision, "--spp", spp];
+            let args = size.iter().copied().chain(options);
             context.renderer.render(folder, &self.scene, "linear.pfm", args)?;
-            images.push(read_image(&folder.join("linear.pfm")).map_err(TaskError::other)?);
-        }
-        images.try_into().map_err(|_| TaskError::Other("two images".to_owned()))
+            read_image(&folder.join("linear.pfm")).map_err(TaskError::other)
+        };
+        Ok([image("f32")?, image("f64")?])
     }
 }
 
@@ -172,11 +171,7 @@ fn check_means(image: &Image, exact: &Image, findings: &mut Findings) {
     let size = pixels(exact).map(mean).sum::<f64>() / n;
     let relative = shift / size.max(f64::MIN_POSITIVE);
     let line = format!("means differ by {relative:+.1e} ± {:.1e} (z = {:+.1})", error / size, shift / error);
-    if relative.abs() <= MAX_SHIFT || shift.abs() <= MAX_Z * error {
-        findings.note(line)
-    } else {
-        findings.problem(line)
-    }
+    findings.line(relative.abs() <= MAX_SHIFT || shift.abs() <= MAX_Z * error, line);
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ fn check(row: &ReportRow, statistics: &Statistics, rays: u64, full: bool, findin
     if full {
         let off = shadow as f64 / row.shadow_rays - 1.0;
         let line = format!("{shadow} shadow rays, {:+.2} % from the report's {}", 100.0 * off, row.shadow_rays);
-        if off.abs() <= SHADOW_TOLERANCE { findings.note(line) } else { findings.problem(line) }
+        findings.line(off.abs() <= SHADOW_TOLERANCE, line);
     } else if shadow == 0 {
         findings.problem("no shadow rays");
     }

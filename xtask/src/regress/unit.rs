@@ -62,6 +62,11 @@ impl Findings {
         self.problems.push(problem.into());
     }
 
+    /// Adds a line to the report: a problem unless it `holds`.
+    pub(super) fn line(&mut self, holds: bool, line: String) {
+        if holds { self.note(line) } else { self.problem(line) }
+    }
+
     /// Lines of the report, problems first.
     pub(super) fn lines(&self) -> impl Iterator<Item = &str> {
         self.problems.iter().chain(&self.skipped).chain(&self.notes).map(String::as_str)

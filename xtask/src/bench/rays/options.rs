@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::builder::TypedValueParser;
 use rt_accel::{AcceleratorKind, wide::Quality};
 
-use crate::bench::common::{accelerator, quality};
+use crate::bench::common::{accelerator, named};
 
 #[derive(Debug, clap::Args)]
 pub(in crate::bench) struct RayOptions {
@@ -19,7 +19,7 @@ pub(in crate::bench) struct RayOptions {
     #[arg(long, value_delimiter = ',', default_value = "bvh", value_parser = accelerator())]
     pub(super) accel: Vec<AcceleratorKind>,
     /// Choose the build quality of the wide BVH.
-    #[arg(long, default_value = "medium", value_parser = quality())]
+    #[arg(long, default_value = "medium", value_parser = named(Quality::ALL, Quality::name))]
     pub(super) quality: Quality,
     /// Trace batches of this many rays instead of single rays.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "4096", value_name = "RAYS",

@@ -87,7 +87,6 @@ impl Display for RayResults {
         let header = ["scene", "rays", "accelerator", "Mrays/s", "hits", "leaks / ghosts / wrong t", "other bits"];
         let mut table = Table::new(3, header);
         for figure in &self.rays {
-            let Spread { median, min, max } = figure.mega_rays();
             let batch = figure.batch.map(|rays| format!(" in batches of {rays}")).unwrap_or_default();
             let wrong =
                 figure.wrong.map(|Mismatches { leaks, ghosts, wrong_t }| format!("{leaks} / {ghosts} / {wrong_t}"));
@@ -95,7 +94,7 @@ impl Display for RayResults {
                 figure.scene.clone(),
                 figure.kind.clone(),
                 format!("{}{batch}", figure.structure),
-                format!("{} ({}..{})", three_digits(median), three_digits(min), three_digits(max)),
+                figure.mega_rays().shown(three_digits),
                 format!("{} of {}", figure.hits, figure.rays),
                 wrong.unwrap_or_default(),
                 figure.differing.map(|count| count.to_string()).unwrap_or_default(),

@@ -118,5 +118,5 @@ pub(super) enum Shape {
 /// Reads a description, or its outline.
 pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<T, TaskError> {
     let file = File::open(path).map_err(TaskError::file(path))?;
-    serde_json::from_reader(BufReader::new(file)).map_err(|source| TaskError::Json { path: path.to_owned(), source })
+    serde_json::from_reader(BufReader::new(file)).map_err(TaskError::file(path))
 }

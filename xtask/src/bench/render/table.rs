@@ -67,18 +67,17 @@ impl Display for RenderResults {
 
 fn cells(result: &RenderResult) -> [String; 9] {
     let RenderResult { scene, size: (width, height), spp, .. } = result;
-    let Spread { median, min, max } = result.cpu_seconds;
     let peer = result.fastest_peer;
     [
         scene.clone(),
         format!("{width}×{height}, {spp}"),
         format!("{} + {}", grouped(result.primary_rays), grouped(result.shadow_rays)),
-        format!("{median:.3} ({min:.3}..{max:.3})"),
+        result.cpu_seconds.shown(|seconds| format!("{seconds:.3}")),
         format!("{:.3}", result.wall_seconds.median),
         mebibytes(result.peak_bytes),
         format!("{:.1}", result.small_wall_seconds.median * 1e3),
         peer.map(|Peer { renderer, cpu_seconds, .. }| format!("[{renderer} {cpu_seconds:.2}]")).unwrap_or_default(),
-        peer.map(|peer| three_digits(peer.cpu_seconds / median)).unwrap_or_default(),
+        peer.map(|peer| three_digits(peer.cpu_seconds / result.cpu_seconds.median)).unwrap_or_default(),
     ]
 }
 

@@ -181,10 +181,7 @@ pub(super) fn check_image(
     image: &TestImage,
     effort: [u64; 2],
 ) -> Fallible<()> {
-    DRAWING.into_iter().try_for_each(|integrator| {
-        let what = format!("{what}, {}", integrator.name());
-        image.hold(checks, what, irradiance, (integrator, PI / ALBEDO), effort)
-    })
+    image.hold_by(&DRAWING, checks, what, irradiance, PI / ALBEDO, effort)
 }
 
 pub(super) fn irradiance_from(light: &Light, receiver: &Receiver, u: [f64; 2]) -> f64 {

@@ -63,13 +63,6 @@ pub(super) fn sphere_aside(angle: f64) -> Fallible<TestImage> {
     emissive(PINHOLE, &format!("sphere(center: ({:?}, 0, {:?}))", 4.0 * sin, -4.0 * cos), "")
 }
 
-fn hold_all(checks: &mut Checks, conditions: &Conditions, what: &str, truth: f64, image: &TestImage) -> Fallible<()> {
-    SHOWING.into_iter().try_for_each(|integrator| {
-        let what = format!("{what}, {}", integrator.name());
-        image.hold(checks, what, truth, (integrator, 1.0), conditions.effort())
-    })
-}
-
 fn coverage(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let ten = tan(10f64.to_radians());
     // The parts of a disk of radius .6 beyond the four sides.
@@ -84,7 +77,7 @@ fn coverage(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         ("sphere in parallel light", FRAC_PI_4, emissive(UNIT_SQUARE, sphere, "")?),
         ("sphere at 4", PI / 60.0, sphere_aside(0.0)?),
     ] {
-        hold_all(checks, conditions, what, truth, &image)?;
+        image.hold_by(&SHOWING, checks, what, truth, 1.0, conditions.effort())?;
     }
     Ok(())
 }
@@ -92,8 +85,7 @@ fn coverage(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 fn off_axis(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let angle = atan(0.5);
     let truth = 0.25 * closed_form::projected_sphere(0.25, angle);
-    hold_all(checks, conditions, "sphere at 4, atan ½ aside", truth, &sphere_aside(angle)?)?;
-    Ok(())
+    sphere_aside(angle)?.hold_by(&SHOWING, checks, "sphere at 4, atan ½ aside", truth, 1.0, conditions.effort())
 }
 
 fn half_jittered(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
@@ -118,6 +110,6 @@ fn lambert_sphere(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> 
             materials: {{\"chalk\": phong(diffuse: gray(0.8), ambient: gray(0))}},
             nodes: [(shape: sphere(center: (0.5, 0.5, -2), radius: 0.5), material: \"chalk\")],"
     ))?;
-    hold_all(checks, conditions, "π/4 · 2/3 · .8", FRAC_PI_4 * 2.0 / 3.0 * 0.8, &image)?;
-    Ok(())
+    let truth = FRAC_PI_4 * 2.0 / 3.0 * 0.8;
+    image.hold_by(&SHOWING, checks, "π/4 · 2/3 · .8", truth, 1.0, conditions.effort())
 }

@@ -94,11 +94,8 @@ fn truncated(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         }
     }
     // These two stop after one bounce of diffuse light, however deep they may go.
-    for integrator in [Integrator::Direct, Integrator::Distributed] {
-        let what = format!("cube, {}", integrator.name());
-        Enclosure::Cube.emissive(0.5, 7)?.hold(checks, what, 1.5, (integrator, 1.0), effort)?;
-    }
-    Ok(())
+    let direct = [Integrator::Direct, Integrator::Distributed];
+    Enclosure::Cube.emissive(0.5, 7)?.hold_by(&direct, checks, "cube", 1.5, 1.0, effort)
 }
 
 /// The intensity of a classical light counts π times: I = π.

@@ -31,23 +31,24 @@ cases! {
     "S62", "a sphere of light that almost touches the ground", "π s² cos θ", "5 σ", touching;
 }
 
+/// A square of the ground around this point, of this side, 1 below a point light over the origin.
+pub(super) fn under_point_light(x: f64, y: f64, side: f64) -> Fallible<TestImage> {
+    TestImage::of(&format!(
+        "camera: (look_from: ({x:?}, {y:?}, 0.5), look_at: ({x:?}, {y:?}, 0), orthographic: {side:?}),
+            lights: [point(position: (0, 0, 1), falloff: inverse_square)],
+            materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
+            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],"
+    ))
+}
+
 /// A diffuse surface of the classical kind is as bright as its coefficient says, by any integrator.
 fn point_light(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
-    for (what, look, height, truth) in [
-        ("45° aside", DVec3::X, 1e-7, 0.125f64.sqrt()),
-        ("over a square", DVec3::new(0.5, 0.5, 0.0), 1.0, closed_form::point_light_over_rectangle(1.0, 1.0, 1.0)),
+    for (what, image, truth) in [
+        ("45° aside", under_point_light(1.0, 0.0, 1e-7)?, 0.125f64.sqrt()),
+        ("over a square", under_point_light(0.5, 0.5, 1.0)?, closed_form::point_light_over_rectangle(1.0, 1.0, 1.0)),
     ] {
-        let DVec3 { x, y, .. } = look;
-        let image = TestImage::of(&format!(
-            "camera: (look_from: ({x:?}, {y:?}, 0.5), look_at: ({x:?}, {y:?}, 0), orthographic: {height:?}),
-                lights: [point(position: (0, 0, 1), falloff: inverse_square)],
-                materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
-                nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],"
-        ))?;
-        for integrator in [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed] {
-            let what = format!("{what}, {}", integrator.name());
-            image.hold(checks, what, truth, (integrator, 1.0 / ALBEDO), conditions.effort())?;
-        }
+        let all = [Integrator::Whitted, Integrator::Direct, Integrator::Path, Integrator::Distributed];
+        image.hold_by(&all, checks, what, truth, 1.0 / ALBEDO, conditions.effort())?;
     }
     Ok(())
 }

@@ -43,10 +43,8 @@ fn depth_of_field(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> 
                 )],"
         ))?;
         let truth = (acos(part) - part * ((1.0 - part) * (1.0 + part)).sqrt()) / PI;
-        for integrator in [Integrator::Distributed, Integrator::Path] {
-            let what = format!("edge at {part} of the radius, {}", integrator.name());
-            image.hold(checks, what, truth, (integrator, 1.0), conditions.effort())?;
-        }
+        let what = format_args!("edge at {part} of the radius");
+        image.hold_by(&[Integrator::Distributed, Integrator::Path], checks, what, truth, 1.0, conditions.effort())?;
     }
     Ok(())
 }

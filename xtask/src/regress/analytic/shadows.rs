@@ -86,11 +86,8 @@ fn shadowless(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         (shape: disk(radius: 3), transform: [rotate_x(-90), translate(0, 0, 2)], material: \"lamp\", casts_shadow: false),";
     let image = AreaLight::disk(4.5, 2.5, 0.0).scene(&receiver, 1e-6, others)?;
     let irradiance = PI * (9.0 / 13.0 + 81.0 / 106.0);
-    for integrator in [Integrator::Direct, Integrator::Path] {
-        let what = format!("two lights, {}", integrator.name());
-        image.hold(checks, what, irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
-    }
-    Ok(())
+    let both = [Integrator::Direct, Integrator::Path];
+    image.hold_by(&both, checks, "two lights", irradiance, PI / ALBEDO, conditions.effort())
 }
 
 /// Compares the irradiance with the share of it that a node leaves.

@@ -10,7 +10,7 @@ use super::{
     area_light::ALBEDO,
     cases, closed_form,
     coverage::{disk, half_plane, left_of, sphere_aside},
-    test_image::TestImage,
+    irradiance::under_point_light,
 };
 use crate::line_fit::LineFit;
 
@@ -33,16 +33,6 @@ const EXPECTED: [(SamplerKind, [f64; 5]); 6] = [
     (SamplerKind::BlueNoise, [-0.75, -1.0, -0.75, -0.75, -1.5]),
 ];
 
-/// Light of a point light over a square.
-fn smooth() -> Fallible<TestImage> {
-    TestImage::of(&format!(
-        "camera: (look_from: (0.5, 0.5, 0.5), look_at: (0.5, 0.5, 0), orthographic: 1),
-            lights: [point(position: (0, 0, 1), falloff: inverse_square)],
-            materials: {{\"ground\": phong(diffuse: gray({ALBEDO}), ambient: gray(0))}},
-            nodes: [(shape: plane(normal: (0, 0, 1)), material: \"ground\")],"
-    ))
-}
-
 /// Root mean square error of an image over seeds.
 pub(super) fn rmse(seeds: u64, truth: f64, of_seed: &(dyn Fn(u64) -> Fallible<f64> + Sync)) -> Fallible<f64> {
     let values = (0..seeds).into_par_iter().map(of_seed).collect::<Fallible<Vec<f64>>>()?;
@@ -64,7 +54,7 @@ fn slopes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         ("x < 1/3", 1.0 / 3.0, left_of(1.0 / 3.0)?),
         ("quarter disk", std::f64::consts::FRAC_PI_4, disk(1.0, 0.0)?),
         ("sphere aside", 0.25 * closed_form::projected_sphere(0.25, aside), sphere_aside(aside)?),
-        ("smooth", ALBEDO * closed_form::point_light_over_rectangle(1.0, 1.0, 1.0), smooth()?),
+        ("smooth", ALBEDO * closed_form::point_light_over_rectangle(1.0, 1.0, 1.0), under_point_light(0.5, 0.5, 1.0)?),
     ];
     for (pattern, expected) in EXPECTED {
         let mut note = format!("{}:", pattern.name());

@@ -82,31 +82,27 @@ fn target_error(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
             tried += SEEDS as f64;
         }
     }
-    // One-sided, at the level of 1 %.
-    let expected = 0.94 * tried;
-    let min = expected - 2.326 * (expected * 0.06).sqrt();
     checks.note(format!("{kept} of {tried} kept {relative}"));
-    checks.check(kept >= min, || format!("{kept} of {tried}, and not {min:.0}"));
+    check_share(kept, tried, checks);
     Ok(())
 }
 
+/// Checks that 94 of 100 hold: one-sided, at the level of 1 %.
+fn check_share(held: f64, tried: f64, checks: &mut Checks) {
+    let expected = 0.94 * tried;
+    let min = expected - 2.326 * (expected * 0.06).sqrt();
+    checks.check(held >= min, || format!("{held} of {tried}, and not {min:.0}"));
+}
+
 /// True if the error of a render to this target is within it.
-fn keeps(
-    image: &TestImage,
-    (integrator, pattern, seed): (Integrator, SamplerKind, u64),
-    relative: f64,
-    truth: f64,
-) -> Fallible<bool> {
-    let mut scene = image.scene.clone();
-    let settings = &mut scene.settings;
-    (settings.integrator, settings.pattern, settings.seed) = (integrator, pattern, seed);
-    let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
-    let target = Some(TargetError::of_pixels(relative));
-    let rule = StopRule { target, max_spp: 1 << 20, time: None };
-    let rendering = plan.render_until(&RunOptions { threads: 1, ..RunOptions::default() }, &rule, |_| {})?;
-    let mean = f64::from(rendering.film.pixels()[0][1]);
+fn keeps(image: &TestImage, how: (Integrator, SamplerKind, u64), relative: f64, truth: f64) -> Fallible<bool> {
+    let rendering = until(image, 1, how, TargetError::of_pixels(relative), 1 << 20)?;
+    let mean = mean_of(&rendering);
     Ok(rendering.stopped == Stopped::Target && (mean - truth).abs() <= relative * (mean + 0.01))
 }
+
+/// Most samples of a pixel in images whose error is the target.
+const MAX_SPP: u32 = 1 << 16;
 
 /// A render of the image at this size until the target is reached.
 fn until(
@@ -114,13 +110,12 @@ fn until(
     size: u32,
     (integrator, pattern, seed): (Integrator, SamplerKind, u64),
     target: TargetError,
+    max_spp: u32,
 ) -> Fallible<Rendering> {
-    let mut scene = image.scene.clone();
+    let mut scene = image.sampled(integrator, pattern, seed);
     (scene.film.width, scene.film.height) = (size, size);
-    let settings = &mut scene.settings;
-    (settings.integrator, settings.pattern, settings.seed) = (integrator, pattern, seed);
     let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
-    let rule = StopRule { target: Some(target), max_spp: 1 << 16, time: None };
+    let rule = StopRule { target: Some(target), max_spp, time: None };
     Ok(plan.render_until(&RunOptions { threads: 1, ..RunOptions::default() }, &rule, |_| {})?)
 }
 
@@ -158,7 +153,7 @@ fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
                 let name = format!("{what}, {}, {size} x {size}, {relative}", pattern.name());
                 let mean = |seed| {
                     let target = TargetError::of_image(relative);
-                    Ok(mean_of(&until(image, size, (integrator, pattern, seed), target)?))
+                    Ok(mean_of(&until(image, size, (integrator, pattern, seed), target, MAX_SPP)?))
                 };
                 let found = Estimate::of_seeds(&name, seeds, mean)?;
                 let (z, percent) = (found.z(truth), 100.0 * (found.mean / truth - 1.0));
@@ -171,7 +166,7 @@ fn bias(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let name = "y < .1 x, random, each pixel by itself";
     let mean = |seed| {
         let target = TargetError::of_pixels(0.1);
-        Ok(mean_of(&until(&corner, 1, (Integrator::Whitted, SamplerKind::Random, seed), target)?))
+        Ok(mean_of(&until(&corner, 1, (Integrator::Whitted, SamplerKind::Random, seed), target, MAX_SPP)?))
     };
     let found = Estimate::of_seeds(name, by_pixel, mean)?;
     let (z, percent) = (found.z(0.05), 100.0 * (found.mean / 0.05 - 1.0));
@@ -187,7 +182,8 @@ fn reached(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let (mut covered, mut tried) = (0.0, 0.0);
     for pattern in [SamplerKind::Random, SamplerKind::Jittered, SamplerKind::Sobol] {
         let of_seed = |seed| -> Fallible<(bool, f64)> {
-            let rendering = until(&enclosure, 32, (Integrator::Path, pattern, seed), TargetError::of_image(0.1))?;
+            let how = (Integrator::Path, pattern, seed);
+            let rendering = until(&enclosure, 32, how, TargetError::of_image(0.1), MAX_SPP)?;
             let errors = rendering.film.pixels().iter().flatten().map(|&value| f64::from(value) - 2.0);
             let squares = errors.map(|error| error * error);
             let error = (squares.sum::<f64>() / (3.0 * 1024.0)).sqrt() / 2.0;
@@ -202,8 +198,6 @@ fn reached(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         covered += count;
         tried += seeds as f64;
     }
-    let expected = 0.94 * tried;
-    let min = expected - 2.326 * (expected * 0.06).sqrt();
-    checks.check(covered >= min, || format!("{covered} of {tried}, and not {min:.0}"));
+    check_share(covered, tried, checks);
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::{fmt::Display, path::Path};
 
 use rt_camera::SamplerKind;
 use rt_render::{PlanOptions, RenderPlan};
-use rt_scene_io::{Integrator, LoadOptions, Scene, format::parse_ron, resolve};
+use rt_scene_io::{Integrator, LoadOptions, RenderSettings, Scene, format::parse_ron, resolve};
 
 use super::{Checks, Fallible, estimate::hold};
 
@@ -27,11 +27,17 @@ impl TestImage {
         Ok(Self { scene })
     }
 
+    /// The scene with these settings.
+    pub(super) fn sampled(&self, integrator: Integrator, pattern: SamplerKind, seed: u64) -> Scene {
+        let mut scene = self.scene.clone();
+        scene.settings = RenderSettings { integrator, pattern, seed, ..scene.settings };
+        scene
+    }
+
     /// The mean radiance over all pixels, in green, as it is before the film rounds it.
     pub(super) fn mean(&self, integrator: Integrator, pattern: SamplerKind, spp: u32, seed: u64) -> Fallible<f64> {
-        let mut scene = self.scene.clone();
-        let settings = &mut scene.settings;
-        (settings.integrator, settings.pattern, settings.spp, settings.seed) = (integrator, pattern, spp, seed);
+        let mut scene = self.sampled(integrator, pattern, seed);
+        scene.settings.spp = spp;
         let plan = RenderPlan::compile(&scene, &PlanOptions::default())?;
         let (width, height) = (scene.film.width, scene.film.height);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -50,5 +56,20 @@ impl TestImage {
         [seeds, spp]: [u64; 2],
     ) -> Fallible<()> {
         hold(checks, what, truth, seeds, |pattern, seed| Ok(self.mean(integrator, pattern, spp as u32, seed)? * scale))
+    }
+
+    /// [`hold`](Self::hold) by each of these integrators.
+    pub(super) fn hold_by(
+        &self,
+        integrators: &[Integrator],
+        checks: &mut Checks,
+        what: impl Display,
+        truth: f64,
+        scale: f64,
+        effort: [u64; 2],
+    ) -> Fallible<()> {
+        integrators.iter().try_for_each(|&integrator| {
+            self.hold(checks, format_args!("{what}, {}", integrator.name()), truth, (integrator, scale), effort)
+        })
     }
 }

@@ -47,7 +47,7 @@ pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Bo
     for (parent, is_own) in [(shared.clone(), false), (workspace.root.join(OWN), true)] {
         for folder in folders(&parent)? {
             let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            pairs.insert(name, PairUnit { folder, is_own });
+            pairs.insert(name.clone(), PairUnit { name, folder, is_own });
         }
     }
     let mut units: Vec<Box<dyn Unit>> = vec![Box::new(PlantedFault)];
@@ -84,19 +84,14 @@ fn folders(parent: &Path) -> Result<Vec<PathBuf>, TaskError> {
 }
 
 struct PairUnit {
+    name: String,
     folder: PathBuf,
     is_own: bool,
 }
 
-impl PairUnit {
-    fn pair_name(&self) -> String {
-        self.folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
-    }
-}
-
 impl Unit for PairUnit {
     fn name(&self) -> String {
-        format!("physics/{}", self.pair_name())
+        format!("physics/{}", self.name)
     }
 
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
@@ -129,25 +124,20 @@ impl PairUnit {
         let (ours, reference) = both(context, folder, &self.folder, (pair, effort))?;
         let comparison = Comparison::of(&ours, &reference, pair.tolerance());
         let differs = !comparison.problems.is_empty();
-        match pair.expect {
-            Expect::Agree => findings.problems.clone_from(&comparison.problems),
-            Expect::Convention => {
-                let conventions: BTreeMap<String, Convention> =
-                    files::read_json(&context.workspace.root.join(CONVENTIONS))?;
-                match conventions.get(&self.pair_name()) {
-                    _ if !differs => findings.problem("agrees, although a convention makes it differ"),
-                    Some(convention) => findings.problems.extend(convention.broken_by(&ours, &reference)),
-                    None => findings.note(format!("differs by convention; {CONVENTIONS} does not say by how much")),
-                }
+        let recorded: BTreeMap<String, Convention> = files::read_json(&context.workspace.root.join(CONVENTIONS))?;
+        let recorded = recorded.get(&self.name);
+        match (pair.expect, differs) {
+            (Expect::Agree, _) => findings.problems.clone_from(&comparison.problems),
+            (Expect::Convention, false) => findings.problem("agrees, although a convention makes it differ"),
+            (Expect::Convention, true) if recorded.is_none() => {
+                findings.note(format!("differs by convention; {CONVENTIONS} does not say by how much"));
             }
-            Expect::Known if differs => {
-                findings.note("differs, as is known");
-                let recorded: BTreeMap<String, Convention> =
-                    files::read_json(&context.workspace.root.join(CONVENTIONS))?;
-                let recorded = recorded.get(&self.pair_name());
-                findings.problems.extend(recorded.into_iter().flat_map(|it| it.broken_by(&ours, &reference)));
-            }
-            Expect::Known => findings.note("agrees by now, although it was known to differ"),
+            (Expect::Known, false) => findings.note("agrees by now, although it was known to differ"),
+            (Expect::Known, true) => findings.note("differs, as is known"),
+            (Expect::Convention, true) => {}
+        }
+        if differs && pair.expect != Expect::Agree {
+            findings.problems.extend(recorded.into_iter().flat_map(|it| it.broken_by(&ours, &reference)));
         }
         findings.notes.extend(comparison.notes.iter().cloned());
         let passed = findings.problems.is_empty();
@@ -157,7 +147,7 @@ impl PairUnit {
             (Expect::Known, true) => "differs, known",
             (Expect::Agree | Expect::Known, _) => "agrees",
         };
-        let (name, is_own) = (self.pair_name(), self.is_own);
+        let (name, is_own) = (self.name.clone(), self.is_own);
         let (note, kind) = (pair.note.clone(), pair.kind.clone());
         let row = PairRow { name, is_own, kind, note, comparison, verdict };
         findings.note(row.line());
