@@ -1,7 +1,7 @@
 //! Conversion of materials to the Phong model, for the `whitted` integrator.
 //!
 //! The Phong model has no blurred reflection. The reflectance of a metal is therefore split: smooth metals mirror, and the
-//! rest is diffuse. For layered materials:
+//! rest is diffuse. Thin glass reflects and transmits at any angle what it does along its normal. For layered materials:
 //!
 //! ```text
 //! α        = roughness²            exponent = 2/α² − 2   (Blinn's half vector; Karis 2013, as Walter et al. 2007)
@@ -18,14 +18,12 @@
 //! Textured roughness and metalness are replaced by their means; under `path` they vary. Transmission becomes a dielectric
 //! with Fresnel's equations. Clearcoat, sheen and anisotropy are left out.
 
+use crate::bsdf::ThinGlass;
 use crate::{
     ColorTexture, Highlight, InteriorMedium, LayeredBase, LayeredSurface, Material, MaterialModel, Phong, Transmission,
 };
 use rt_math::Rgb;
 use std::borrow::Cow;
-
-/// Reflectance of a thin dielectric at normal incidence: about 4 % per side.
-const THIN_REFLECTANCE: f64 = 0.08;
 
 /// Reflectance of a dielectric; the specular colour of metals is above it.
 const DIELECTRIC_F0: f64 = 0.04;
@@ -74,17 +72,23 @@ fn convert(model: &MaterialModel) -> Phong {
             transmission: Some(Transmission { coefficient: *transmittance, fresnel: true }),
             ..Phong::BLACK
         },
-        MaterialModel::Conductor { ior, roughness } => metal(ColorTexture::Constant(ior.fresnel(1.0)), *roughness),
-        MaterialModel::MetallicRoughness { base_color, metallic, roughness } => {
-            let metal = metal(*base_color, *roughness);
-            let base = Phong { mirror: metal.mirror.scaled(*metallic), ..Phong::lambertian(*base_color) };
-            Phong { diffuse: if *metallic < 1.0 { base.diffuse } else { metal.diffuse }, ..base }
+        MaterialModel::Conductor { ior, roughness } => {
+            partly_mirrored(ColorTexture::Constant(ior.fresnel(1.0)), smooth_share(*roughness))
         }
-        MaterialModel::ThinGlass { transmittance, .. } => Phong {
-            mirror: ColorTexture::Constant(Rgb::gray(THIN_REFLECTANCE)),
-            transmission: Some(Transmission { coefficient: *transmittance, fresnel: false }),
-            ..Phong::BLACK
-        },
+        MaterialModel::MetallicRoughness { base_color, metallic, roughness } => {
+            partly_mirrored(*base_color, *metallic * smooth_share(*roughness))
+        }
+        MaterialModel::ThinGlass { ior, transmittance } => {
+            let (reflected, transmitted) = ThinGlass { ior: *ior, transmittance: Rgb::WHITE }.shares(1.0);
+            Phong {
+                mirror: ColorTexture::Constant(reflected),
+                transmission: Some(Transmission {
+                    coefficient: transmittance.scaled(transmitted.max_component()),
+                    fresnel: false,
+                }),
+                ..Phong::BLACK
+            }
+        }
         MaterialModel::Layered(layered) => convert_layered(layered),
         MaterialModel::Mix(parts) => {
             parts.iter().fold(Phong::BLACK, |sum, (weight, part)| added(sum, *weight, &convert(part)))
@@ -92,10 +96,14 @@ fn convert(model: &MaterialModel) -> Phong {
     }
 }
 
-/// A metal: the smoother, the more of its reflectance is mirrored; the rest is diffuse.
-fn metal(reflectance: ColorTexture, roughness: f64) -> Phong {
-    let smooth = (1.0 - 2.0 * roughness).max(0.0);
-    Phong { mirror: reflectance.scaled(smooth), ..Phong::lambertian(reflectance.scaled(1.0 - smooth)) }
+/// Share of the reflectance of a metal that is mirrored.
+fn smooth_share(roughness: f64) -> f64 {
+    (1.0 - 2.0 * roughness).max(0.0)
+}
+
+/// A surface of which a share of the reflectance is mirrored; the rest is diffuse.
+fn partly_mirrored(reflectance: ColorTexture, share: f64) -> Phong {
+    Phong { mirror: reflectance.scaled(share), ..Phong::lambertian(reflectance.scaled(1.0 - share)) }
 }
 
 /// Adds `part` times a weight to `sum`. Of each coefficient, the first texture is kept.
@@ -118,7 +126,7 @@ fn added(sum: Phong, weight: f64, part: &Phong) -> Phong {
 fn convert_layered(layered: &LayeredSurface) -> Phong {
     let (base, metallic, roughness) = base_parameters(&layered.base);
     let transmission = layered.transmission.mean() * (1.0 - metallic);
-    let smooth = (1.0 - 2.0 * roughness).max(0.0);
+    let smooth = smooth_share(roughness);
     let diffuse = (1.0 - metallic) - transmission + metallic * (1.0 - smooth);
     let exponent = exponent(roughness);
     let strength = (exponent + 8.0) / 8.0;

@@ -36,6 +36,35 @@ fn the_light_of_metals_moves_from_diffuse_to_mirror_as_they_get_smooth() {
 }
 
 #[test]
+fn a_surface_that_is_partly_metal_gains_no_light() {
+    let base_color = ColorTexture::Constant(Rgb::new(0.8, 0.4, 0.2));
+    for metallic in [0.0, 0.5, 0.9, 1.0] {
+        for roughness in [0.0, 0.25, 0.5, 1.0] {
+            let phong = convert(&MaterialModel::MetallicRoughness { base_color, metallic, roughness });
+            let as_layered = convert_layered(&layered(metallic, roughness));
+            let parts = [red(phong.diffuse), red(phong.mirror), red(phong.ambient)];
+            let expected = [red(as_layered.diffuse), red(as_layered.mirror), red(as_layered.ambient)];
+            for (part, expected) in parts.into_iter().zip(expected) {
+                assert!((part - expected).abs() < 1e-15, "{metallic} {roughness}: {phong:?} {as_layered:?}");
+            }
+            assert!((parts[0] + parts[1] - 0.8).abs() < 1e-15, "{metallic} {roughness}: {phong:?}");
+        }
+    }
+}
+
+#[test]
+fn thin_glass_transmits_what_it_does_not_reflect() {
+    let transmittance = ColorTexture::Constant(Rgb::WHITE);
+    // 2F / (1 + F) with F = ((ior − 1) / (ior + 1))².
+    for (ior, reflectance) in [(1.0, 0.0), (1.5, 0.08 / 1.04), (3.0, 0.4)] {
+        let phong = convert(&MaterialModel::ThinGlass { ior, transmittance });
+        let transmission = phong.transmission.expect("glass");
+        assert!((red(phong.mirror) - reflectance).abs() < 1e-15, "{ior}: {phong:?}");
+        assert!((red(phong.mirror) + red(transmission.coefficient) - 1.0).abs() < 1e-15, "{ior}: {phong:?}");
+    }
+}
+
+#[test]
 fn extreme_values_stay_finite() {
     for roughness in [0.0, 1e-9, 1.0] {
         let phong = convert_layered(&layered(0.5, roughness));
