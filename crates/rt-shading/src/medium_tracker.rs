@@ -20,9 +20,15 @@ pub(crate) struct MediumTracker {
 }
 
 impl MediumTracker {
-    /// Resets to air, at the start of a path.
-    pub(crate) fn reset(&mut self) {
-        self.interior.clear();
+    /// Restarts with a camera ray in these media, and keeps its memory.
+    pub(crate) fn restart(&mut self, surroundings: &InteriorList) {
+        self.interior.clone_from(surroundings);
+        self.start_ray();
+    }
+
+    /// Starts the next ray of the path.
+    #[inline(always)]
+    pub(crate) const fn start_ray(&mut self) {
         (self.medium_start, self.passages) = (0.0, 0);
     }
 
@@ -36,7 +42,8 @@ impl MediumTracker {
         self.passages.saturating_sub(MAX_NULL_INTERFACES)
     }
 
-    /// Applies the absorption of the medium before a surface; `length` is world units per unit of the ray parameter.
+    /// Applies the absorption of the medium before a surface, and returns it, per world unit. `length` is world units per unit of the ray
+    /// parameter.
     pub(crate) fn absorb(
         &self,
         materials: &[Material],
@@ -44,9 +51,10 @@ impl MediumTracker {
         t: f64,
         length: f64,
         light: &mut Rgb,
-    ) {
-        let medium = interface.map_or_else(|| self.interior.medium(materials), |c| c.before);
-        absorb(light, medium.absorption, (t - self.medium_start) * length);
+    ) -> Rgb {
+        let Medium { absorption, .. } = interface.map_or_else(|| self.interior.medium(materials), |c| c.before);
+        absorb(light, absorption, (t - self.medium_start) * length);
+        absorption
     }
 
     /// True if the current medium absorbs.
@@ -87,7 +95,7 @@ impl MediumTracker {
 
     /// Continues in a scattered direction, through the surface if light is transmitted.
     pub(crate) fn scatter(&mut self, interface: Option<&MediumInterface>, kind: Scattering) {
-        (self.medium_start, self.passages) = (0.0, 0);
+        self.start_ray();
         if let (Some(interface), Scattering::Transmission) = (interface, kind) {
             self.interior.cross(interface);
         }

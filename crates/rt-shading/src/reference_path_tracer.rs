@@ -256,7 +256,7 @@ impl PathState {
     /// Path that starts at the camera, in these media.
     fn new(surroundings: &InteriorList) -> Self {
         let mut media = MediumTracker::default();
-        media.interior.clone_from(surroundings);
+        media.restart(surroundings);
         let (seen, throughput) = (RadianceSample::MISS, Rgb::WHITE);
         Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
     }

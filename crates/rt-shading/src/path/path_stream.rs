@@ -94,8 +94,7 @@ impl WavePathState {
     /// Restarts with a camera ray in these media, and keeps its memory.
     pub(super) fn restart(&mut self, surroundings: &InteriorList) {
         let mut medium_tracker = core::mem::take(&mut self.medium_tracker);
-        medium_tracker.reset();
-        medium_tracker.interior.clone_from(surroundings);
+        medium_tracker.restart(surroundings);
         *self = Self { medium_tracker, ..Self::default() };
     }
 }
@@ -145,7 +144,6 @@ impl<E: Element> PathStream<E> {
         self.rays.push(&ray, span);
     }
 
-    /// Path of an index.
     pub(super) fn get(&self, at: usize) -> PathRecord {
         let [x, y, z] = &self.normal;
         let normal = DVec3::new(x.get(at).into(), y.get(at).into(), z.get(at).into());
@@ -153,7 +151,6 @@ impl<E: Element> PathStream<E> {
         PathRecord { sample, throughput, pdf: self.pdf.get(at).into(), normal }
     }
 
-    /// Throughput of a path.
     pub(super) fn throughput(&self, at: usize) -> Rgb {
         let [r, g, b] = &self.throughput;
         Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into())

@@ -12,7 +12,6 @@ use crate::{
     interior_list::{MediumEntry, MediumInterface},
     lane_set::{Element, LaneSet, set_color},
     lanes::each_lane,
-    medium::absorb,
 };
 use rt_math::Vector3;
 
@@ -41,27 +40,26 @@ impl<E: Element> SpawnedRays<E> {
         let mut is_absorbed = false;
         for lane in each_lane(group.mask) {
             let at = group.at + lane;
-            let tree = &mut self.trees[paths.sample.get(at) as usize];
-            if transmission == SurfaceTransmission::None && tree.interior.is_empty() {
+            let media = &mut self.trees[paths.sample.get(at) as usize].media;
+            if transmission == SurfaceTransmission::None && media.interior.is_empty() {
                 continue;
             }
             let is_inside = surface.inside >> lane & 1 == 1;
-            let interface = transmission.interface(&mut tree.interior, materials, surfaces.body(lane), is_inside);
+            let interface = transmission.interface(&mut media.interior, materials, surfaces.body(lane), is_inside);
             let interface = interface.as_ref();
-            let way = (t[lane] - tree.start) * length[lane];
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
                 let MediumEntry { object, material } = surfaces.body(lane);
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
-                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, way), seen);
+                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), seen);
                 continue;
             }
             if settings.features.absorption {
-                let around = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before);
                 let mut absorbed = paths.weight(at);
-                if absorb(&mut absorbed, around.absorption, way) {
+                let absorption = media.absorb(materials, interface, t[lane], length[lane], &mut absorbed);
+                if !absorption.is_black() {
                     self.counts.absorption += 1;
-                    self.absorption[lane] = around.absorption;
+                    self.absorption[lane] = absorption;
                     group.absorbed |= 1 << lane;
                     if !core::mem::replace(&mut is_absorbed, true) {
                         weight = lanes.store_vector(group.weight);

@@ -3,6 +3,7 @@
 use crate::{
     InteriorList,
     interior_list::{InterfaceEvent, InteriorListStack},
+    medium_tracker::MediumTracker,
 };
 use rt_math::{Ray, Rgb};
 
@@ -33,19 +34,15 @@ pub(super) struct RayTree {
     deferred: Vec<DeferredRay>,
     /// Media around the rays in `deferred`.
     interiors: InteriorListStack,
-    /// Media around the current path.
-    pub(super) interior: InteriorList,
-    /// Null interfaces that the current ray has passed.
-    pub(super) passages: u32,
-    /// Absorption is accounted for up to this parameter of the current ray.
-    pub(super) start: f64,
+    /// Media along the current path.
+    pub(super) media: MediumTracker,
 }
 
 impl RayTree {
     /// Defers a ray that crosses a surface.
     #[inline(always)]
     pub(super) fn defer(&mut self, ray: Ray, path: &TreePath, event: InterfaceEvent) {
-        let bodies = self.interiors.push(&self.interior, event);
+        let bodies = self.interiors.push(&self.media.interior, event);
         self.deferred.push(DeferredRay { ray, path: *path, bodies });
     }
 
@@ -53,22 +50,15 @@ impl RayTree {
     #[inline]
     pub(super) fn pop(&mut self) -> Option<(Ray, TreePath)> {
         let DeferredRay { ray, path, bodies } = self.deferred.pop()?;
-        self.interiors.pop(&mut self.interior, bodies);
-        self.bounce();
+        self.interiors.pop(&mut self.media.interior, bodies);
+        self.media.start_ray();
         Some((ray, path))
-    }
-
-    /// Starts another ray of the path.
-    #[inline(always)]
-    pub(super) const fn bounce(&mut self) {
-        (self.passages, self.start) = (0, 0.0);
     }
 
     /// Restarts the tree with a camera ray in these media.
     pub(super) fn restart(&mut self, surroundings: &InteriorList) {
         self.deferred.clear();
         self.interiors.clear();
-        self.interior.clone_from(surroundings);
-        self.bounce();
+        self.media.restart(surroundings);
     }
 }

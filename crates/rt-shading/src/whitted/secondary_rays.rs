@@ -99,8 +99,7 @@ impl<E: Element> SpawnedRays<E> {
         if features.refraction {
             for lane in each_lane(mask) {
                 let sample = paths.sample.get(at + lane);
-                let tree = &mut self.trees[sample as usize];
-                tree.bounce();
+                self.trees[sample as usize].media.start_ray();
                 if (mirrored | refracts) >> lane & 1 == 0 {
                     self.end_path(inputs, sample);
                 }
@@ -130,7 +129,7 @@ impl<E: Element> SpawnedRays<E> {
             let sample = paths.sample.get(at);
             let tree = &mut self.trees[sample as usize];
             let is_inside = surface.inside >> lane & 1 == 1;
-            let event = group.phong.interface.event(&mut tree.interior, group.surfaces.body(lane), is_inside);
+            let event = group.phong.interface.event(&mut tree.media.interior, group.surfaces.body(lane), is_inside);
             let of_lane = |[x, y, z]: &[[f64; 8]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
             let time = paths.rays.time.get(at);
             let ray = Ray { origin: of_lane(&origins).into(), direction: of_lane(&directions).into(), time };
@@ -139,7 +138,7 @@ impl<E: Element> SpawnedRays<E> {
             if mirrored >> lane & 1 == 1 {
                 tree.defer(ray, &path, event);
             } else {
-                tree.interior.apply(event);
+                tree.media.interior.apply(event);
                 self.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }

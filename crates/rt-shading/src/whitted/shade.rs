@@ -2,13 +2,8 @@
 
 use super::{inputs::TreeInputs, ray_tree::TreePath, wave::SpawnedRays};
 use crate::{
-    Material, Phong, RadianceSample, SurfaceHit,
-    hit_context::{HitContext, MAX_NULL_INTERFACES},
-    interior_list::MediumInterface,
-    lane_set::Element,
-    medium::{self, transmittance_to_light},
-    optics,
-    viewed_surface::ViewedSurface,
+    Material, Phong, RadianceSample, SurfaceHit, hit_context::HitContext, interior_list::MediumInterface,
+    lane_set::Element, medium::transmittance_to_light, optics, viewed_surface::ViewedSurface,
 };
 use rt_math::{Interval, Ray, Rgb};
 
@@ -28,17 +23,16 @@ impl<E: Element> SpawnedRays<E> {
             return self.end_path(inputs, path.sample);
         };
         let tree = &mut self.trees[path.sample as usize];
-        let interface = context.interface(&mut tree.interior, materials, hit.body());
+        let interface = context.interface(&mut tree.media.interior, materials, hit.body());
         let interface = interface.as_ref();
-        let way = (hit.t - tree.start) * context.length;
         if !context.is_visible(interface) {
-            return self.skip_interface(inputs, (ray, path), hit, (interface, way), seen);
+            return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), seen);
         }
         seen.hit = true;
         let mut absorption = Rgb::BLACK;
         if features.absorption {
-            absorption = interface.map_or_else(|| tree.interior.medium(materials), |c| c.before).absorption;
-            self.absorb(&mut path.weight, absorption, way);
+            absorption = tree.media.absorb(materials, interface, hit.t, context.length, &mut path.weight);
+            self.counts.absorption += u64::from(!absorption.is_black());
         }
         let HitContext { material, direction, is_inside, .. } = context;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
@@ -48,40 +42,25 @@ impl<E: Element> SpawnedRays<E> {
         self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
 
-    /// Continues the ray of a path behind a null interface, a distance `way` from where absorption is accounted for.
+    /// Continues the ray of a path behind a null interface. `length` is world units per unit of the ray parameter.
     pub(super) fn skip_interface(
         &mut self,
         inputs: &TreeInputs<'_>,
         (ray, mut path): (&Ray, TreePath),
         hit: &SurfaceHit,
-        (interface, way): (Option<&MediumInterface>, f64),
+        (interface, length): (Option<&MediumInterface>, f64),
         seen: &mut RadianceSample,
     ) {
-        if let Some(interface) = interface {
-            if interface.before.absorption != interface.after.absorption {
-                seen.hit |= self.absorb(&mut path.weight, interface.before.absorption, way);
-                self.trees[path.sample as usize].start = hit.t;
-            }
-            self.trees[path.sample as usize].interior.cross(interface);
-        } else {
-            self.counts.interior_overflows += 1;
-        }
-        self.counts.passages += 1;
-        let tree = &mut self.trees[path.sample as usize];
-        tree.passages += 1;
-        path.depth += u32::from(tree.passages > MAX_NULL_INTERFACES);
+        let media = &mut self.trees[path.sample as usize].media;
+        let is_dimmed = media.skip_interface(interface, hit, length, &mut path.weight, &mut self.counts);
+        self.counts.absorption += u64::from(is_dimmed);
+        seen.hit |= is_dimmed;
+        path.depth += u32::from(media.null_limit_exceeded());
         if path.depth > inputs.settings.max_depth {
             self.counts.depth_limited += 1;
             return self.end_path(inputs, path.sample);
         }
         self.refracted.push(ray, hit.span_after(ray), &path);
-    }
-
-    /// Beer's law over a distance in world units; true if the medium absorbs.
-    pub(super) fn absorb(&mut self, weight: &mut Rgb, absorption: Rgb, way: f64) -> bool {
-        let absorbs = medium::absorb(weight, absorption, way);
-        self.counts.absorption += u64::from(absorbs);
-        absorbs
     }
 
     /// Emission of a surface, and the direct light that it reflects, with the absorption of the medium before it.
@@ -195,13 +174,13 @@ impl<E: Element> SpawnedRays<E> {
         refracted: Option<(Ray, TreePath, &MediumInterface)>,
     ) {
         let tree = &mut self.trees[sample as usize];
-        tree.bounce();
+        tree.media.start_ray();
         let ends = mirrored.is_none() && refracted.is_none();
         if let Some((ray, path, interface)) = refracted {
             if mirrored.is_some() {
                 tree.defer(ray, &path, interface.event);
             } else {
-                tree.interior.cross(interface);
+                tree.media.interior.cross(interface);
                 self.refracted.push(&ray, Interval::SPAWNED, &path);
             }
         }
