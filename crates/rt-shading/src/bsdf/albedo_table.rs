@@ -257,9 +257,7 @@ fn weight_in_lanes<S: Simd>(simd: S, alpha: f64, wo: DVec3, lattice: &[LatticePo
 fn sample_weight<R: Float64>(facets: IsotropicGgx<R>, wo: Vector3<R>, [sin, cos, second]: [R; 3]) -> [R; 2] {
     let m = visible_normal([facets.alpha; 2], wo, (sin, cos), second);
     let wi = reflect_lanes(-wo, m);
-    let (d, stretched) = (facets.d(m), facets.stretched_length(wo));
-    let reflection = d / ((wo.z * facets.stretched_length(wi) + wi.z * stretched) * 2.0);
-    let pdf = d / ((wo.z + stretched) * 2.0);
+    let (reflection, pdf) = facets.reflection_with_pdf((wo, facets.stretched_length(wo)), wi, m);
     let zero = second.splat(0.0);
     let weight = R::select(wi.z.gt(zero), reflection * wi.z / pdf, zero);
     let w = schlick_weight(wo.dot(m));

@@ -58,12 +58,7 @@ impl Dielectric {
         let scattered = || {
             let (interface, facets) = self.interface(wo).zip(self.facets())?;
             let (wo, wi) = seen_from(wo, wi)?;
-            let m = interface.half_vector(wo, wi)?;
-            Some(if wi.z > 0.0 {
-                (interface.reflected(facets, wo, wi, m), interface.reflected_pdf(facets, wo, m))
-            } else {
-                (interface.transmitted(facets, wo, wi, m), interface.transmitted_pdf(facets, wo, wi, m))
-            })
+            Some(interface.value_with_pdf(facets, wo, wi, interface.half_vector(wo, wi)?))
         };
         scattered().unwrap_or((Rgb::BLACK, 0.0))
     }
@@ -76,19 +71,17 @@ impl Dielectric {
             return interface.sample_smooth(wo, side, u[0]);
         };
         let m = facets.sample(wo, [u[1], u[2]]);
-        if u[0] < interface.chance_of_reflection(wo.dot(m)) {
-            let wi = optics::reflect(-wo, m);
-            let (value, pdf) = (interface.reflected(facets, wo, wi, m), interface.reflected_pdf(facets, wo, m));
-            let sample = BsdfSample::new(wi, value, pdf);
-            (wi.z > 0.0).then_some(sample)
+        let (wi, kind, eta) = if u[0] < interface.chance_of_reflection(wo.dot(m)) {
+            (optics::reflect(-wo, m), Scattering::Reflection, 1.0)
         } else {
-            let wi = optics::refract(-wo, m, 1.0 / interface.eta)?;
-            let (value, pdf) = (interface.transmitted(facets, wo, wi, m), interface.transmitted_pdf(facets, wo, wi, m));
-            let kind = Scattering::Transmission;
-            (wi.z < 0.0).then_some(BsdfSample { kind, eta: interface.eta, ..BsdfSample::new(wi, value, pdf) })
+            (optics::refract(-wo, m, 1.0 / interface.eta)?, Scattering::Transmission, interface.eta)
+        };
+        let is_on_side = if kind == Scattering::Reflection { wi.z > 0.0 } else { wi.z < 0.0 };
+        if !is_on_side {
+            return None;
         }
-        .map(|sample| BsdfSample { wi: side.restore(sample.wi), ..sample })
-        .and_then(BsdfSample::if_finite)
+        let (value, pdf) = interface.value_with_pdf(facets, wo, wi, m);
+        BsdfSample { kind, eta, ..BsdfSample::new(side.restore(wi), value, pdf) }.if_finite()
     }
 
     fn facets(&self) -> Option<Ggx> {
@@ -147,27 +140,19 @@ impl Interface {
         (wo.dot(m) > 0.0 && wi.dot(m) < 0.0).then_some(m)
     }
 
-    fn reflected(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
-        self.reflectance * (self.fresnel(wo.dot(m)) * facets.reflection(wo, wi, m))
-    }
-
-    fn reflected_pdf(&self, facets: Ggx, wo: DVec3, m: DVec3) -> f64 {
-        self.chance_of_reflection(wo.dot(m)) * facets.reflection_pdf(wo, m)
-    }
-
-    fn transmitted(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
-        let (cos_o, cos_i, below) = (wo.dot(m), wi.dot(m), flip(wi));
-        let stretch = cos_o + self.eta * cos_i;
+    /// Value and density for two directions, with the upward normal `m` of the microfacets that scatter between them.
+    fn value_with_pdf(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> (Rgb, f64) {
+        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
+        let (fresnel, chance) = (self.fresnel(cos_o), self.chance_of_reflection(cos_o));
+        if wi.z > 0.0 {
+            let value = self.reflectance * (fresnel * facets.reflection(wo, wi, m));
+            return (value, chance * facets.reflection_pdf(wo, m));
+        }
+        let (below, stretch) = (flip(wi), cos_o + self.eta * cos_i);
         // G₁ / cos stays finite where both are 0.
         let seen = 4.0 / ((wo.z + facets.stretched_length(wo)) * (below.z + facets.stretched_length(below)));
-        let facets = cos_o * cos_i.abs() * facets.d(m) * seen / (stretch * stretch);
-        self.transmittance * ((1.0 - self.fresnel(cos_o)) * facets)
-    }
-
-    fn transmitted_pdf(&self, facets: Ggx, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {
-        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
-        let stretch = cos_o + self.eta * cos_i;
+        let transmitted = cos_o * cos_i.abs() * facets.d(m) * seen / (stretch * stretch);
         let jacobian = self.eta * self.eta * cos_i.abs() / (stretch * stretch);
-        (1.0 - self.chance_of_reflection(cos_o)) * facets.pdf(wo, m) * jacobian
+        (self.transmittance * ((1.0 - fresnel) * transmitted), (1.0 - chance) * facets.pdf(wo, m) * jacobian)
     }
 }

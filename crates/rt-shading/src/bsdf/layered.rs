@@ -181,19 +181,12 @@ impl Layered {
         self.dielectric_reflectance[0] * (1.0 - w) + self.dielectric_reflectance[1] * w
     }
 
-    /// Transmittance of the dielectric layer at a cosine.
-    fn dielectric_transmittance(&self, layer: &LayerAlbedo, cos: f64) -> f64 {
-        let [along, grazing] = layer.directional_by_fresnel(cos);
+    /// Share of light that the dielectric part leaves to the diffuse part, by the albedo of the facets for reflectance 1
+    /// along the normal and at grazing angles.
+    fn dielectric_transmittance(&self, [along, grazing]: [f64; 2]) -> f64 {
         1.0 - (self.dielectric_reflectance[0] * along + self.dielectric_reflectance[1] * grazing)
     }
 
-    /// Mean of [`dielectric_transmittance`](Self::dielectric_transmittance) over the hemisphere.
-    fn mean_dielectric_transmittance(&self, layer: &LayerAlbedo) -> f64 {
-        let [along, grazing] = layer.mean_by_fresnel();
-        1.0 - (self.dielectric_reflectance[0] * along + self.dielectric_reflectance[1] * grazing)
-    }
-
-    /// Transmittance of the clearcoat at a cosine.
     fn clearcoat_transmittance(&self, cos: f64) -> f64 {
         if self.clearcoat == 0.0 {
             1.0
@@ -202,7 +195,6 @@ impl Layered {
         }
     }
 
-    /// Transmittance of the sheen from `wi` to `wo`.
     fn sheen_transmittance(&self, wo: DVec3, wi: DVec3) -> f64 {
         self.sheen.map_or(1.0, |sheen| sheen.transmittance(wo.z).min(sheen.transmittance(wi.z.abs())))
     }
@@ -221,7 +213,7 @@ impl<'l> LayeredView<'l> {
             surface.clearcoat_transmittance(to_clearcoat_frame(clearcoat_frame.as_ref(), wo).z.abs());
         let layer = LayerAlbedo::new(surface.roughness);
         let [along, grazing] = layer.directional_by_fresnel(wo.z);
-        let dielectric_transmittance = surface.dielectric_transmittance(&layer, wo.z);
+        let dielectric_transmittance = surface.dielectric_transmittance([along, grazing]);
         let below = clearcoat_transmittance * surface.sheen.map_or(1.0, |sheen| sheen.transmittance(wo.z));
         let mut probabilities = [
             1.0 - clearcoat_transmittance,
@@ -256,9 +248,9 @@ impl<'l> LayeredView<'l> {
         let mut value = Rgb::BLACK;
         if !surface.diffuse.is_black() {
             let layer = LayerAlbedo::new(surface.roughness);
-            let dielectric_transmittance = surface.dielectric_transmittance(&layer, wo.z)
-                * surface.dielectric_transmittance(&layer, wi.z)
-                / surface.mean_dielectric_transmittance(&layer);
+            let dielectric_transmittance = surface.dielectric_transmittance(layer.directional_by_fresnel(wo.z))
+                * surface.dielectric_transmittance(layer.directional_by_fresnel(wi.z))
+                / surface.dielectric_transmittance(layer.mean_by_fresnel());
             value += surface.diffuse * (below * dielectric_transmittance * FRAC_1_PI);
         }
         if let Some(facets) = self.facets {
@@ -378,7 +370,6 @@ impl<'l> LayeredView<'l> {
     }
 }
 
-/// Direction in the frame of the clearcoat.
 fn to_clearcoat_frame(clearcoat_frame: Option<&Frame>, w: DVec3) -> DVec3 {
     clearcoat_frame.map_or(w, |frame| frame.to_local(w))
 }

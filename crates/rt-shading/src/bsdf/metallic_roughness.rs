@@ -4,8 +4,9 @@ use super::{
     BsdfSample, Ggx,
     albedo_table::LayerAlbedo,
     lambert::{cosine_hemisphere, cosine_pdf},
+    mirror,
     schlick::{dielectric_fresnel, schlick_weight},
-    side::{Side, reflect_dir, same_side},
+    side::{Side, same_side},
 };
 use crate::optics;
 use core::f64::consts::FRAC_1_PI;
@@ -64,7 +65,7 @@ impl MetallicRoughness {
         let facets = Ggx::from_roughness(self.roughness);
         let (wi, m) = if u[0] < chance {
             let Some(facets) = facets else {
-                return self.sample_coating(wo, side, chance);
+                return mirror::reflection(wo, side, self.specular(wo.z), chance);
             };
             let m = facets.sample(wo, [u[1], u[2]]);
             (optics::reflect(-wo, m), m)
@@ -78,14 +79,6 @@ impl MetallicRoughness {
         BsdfSample {
             is_diffuse: u[0] >= chance,
             ..BsdfSample::new(side.restore(wi), self.value(wo, wi, m), self.density(wo, wi, m))
-        }
-        .if_finite()
-    }
-
-    fn sample_coating(&self, wo: DVec3, side: Side, chance: f64) -> Option<BsdfSample> {
-        BsdfSample {
-            is_delta: true,
-            ..BsdfSample::new(side.restore(reflect_dir(wo)), self.specular(wo.z) / wo.z, chance)
         }
         .if_finite()
     }

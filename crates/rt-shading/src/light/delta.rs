@@ -258,7 +258,7 @@ impl DeltaLight {
         };
         let distance = to_light.length();
         let direction = to_light / distance;
-        let emitted = self.spot_falloff_lanes(-direction);
+        let emitted = self.spot_falloff(-direction);
         let attenuated = match falloff {
             Falloff::None => emitted,
             Falloff::InverseSquare => emitted / (distance * distance),
@@ -297,14 +297,8 @@ impl DeltaLight {
     }
 
     /// Relative intensity, 0 to 1, in the direction `wo` (unit) in which light leaves.
-    #[inline]
-    pub(crate) fn spot_falloff(&self, wo: DVec3) -> f64 {
-        self.spot_falloff_lanes(wo.into())
-    }
-
-    /// Version of [`spot_falloff`](Self::spot_falloff) for one direction per lane.
     #[inline(always)]
-    fn spot_falloff_lanes<R: Real>(&self, wo: Vector3<R>) -> R {
+    pub(crate) fn spot_falloff<R: Real>(&self, wo: Vector3<R>) -> R {
         let (zero, one) = (wo.x.splat(0.0), wo.x.splat(1.0));
         match self.kind {
             DeltaLightKind::Spot { direction, cos_inner, cos_outer, .. } => {

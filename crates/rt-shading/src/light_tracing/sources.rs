@@ -39,7 +39,6 @@ pub struct LightSources {
 pub(super) struct LeSample {
     pub(super) ray: Ray,
     pub(super) span: Interval,
-    /// Power of the path.
     pub(super) power: Rgb,
     /// True if the light has no falloff with distance.
     pub(super) no_falloff: bool,
@@ -118,7 +117,8 @@ impl LightSources {
             at: within_cone(axis, one_minus_cos, u),
             pdf: 1.0 / (TAU * one_minus_cos),
         });
-        let power = light.intensity * (light.spot_falloff(sample.at) * light.units.irradiance_factor() / sample.pdf);
+        let power =
+            light.intensity * (light.spot_falloff(sample.at.into()) * light.units.irradiance_factor() / sample.pdf);
         let span = Interval { min: start, ..Interval::FORWARD };
         let no_falloff = falloff == Falloff::None;
         (!power.is_black()).then(|| LeSample { ray: Ray::new(position, sample.at), span, power, no_falloff })
