@@ -90,6 +90,8 @@ mod scene_queries;
 mod shading_features;
 mod stream_queries;
 mod surface_features;
+#[cfg(test)]
+mod test_worlds;
 mod texture;
 mod to_phong;
 mod vertex;

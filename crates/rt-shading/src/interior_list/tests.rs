@@ -1,9 +1,10 @@
 //! Tests of the list. Its effect on light is tested with the integrators.
 
 use super::*;
-use crate::Phong;
-use crate::SurfaceHit;
-use rt_geometry::SurfaceInteraction;
+use crate::{
+    Phong,
+    test_worlds::{HitFunction, flat_hit},
+};
 use rt_math::DVec3;
 
 fn materials(priorities: &[i32]) -> Vec<Material> {
@@ -15,8 +16,7 @@ fn materials(priorities: &[i32]) -> Vec<Material> {
 }
 
 fn hit(object: u32, material: u32) -> SurfaceHit {
-    let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2]);
-    SurfaceHit::new(1.0, interaction, object, material)
+    SurfaceHit { object, ..flat_hit(1.0, DVec3::ZERO, DVec3::Y, material) }
 }
 
 /// Crosses a surface. Returns the indices of refraction on both sides, or `None` if it is ignored.
@@ -97,21 +97,15 @@ fn lists_come_off_the_stack_as_they_were_put_on() {
 #[test]
 fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
     // From inside of 0 and 1, through a body 2 that is entered and left on the way, and an opaque one that is not there.
-    struct Way(Vec<(u32, u32, bool)>);
-    impl SceneQueries for Way {
-        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-            let at = if span.min > 0.0 { span.min as usize } else { 0 };
-            let &(object, material, leaving) = self.0.get(at)?;
-            let mut met = SurfaceHit { t: (at + 1) as f64, ..hit(object, material) };
-            met.interaction.geometric_normal = if leaving { ray.direction } else { -ray.direction };
-            Some(met)
-        }
-        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
-            false
-        }
-    }
+    let surfaces = [(1, 1, true), (2, 2, false), (9, 77, false), (2, 2, true), (0, 0, true)];
+    let mut way = HitFunction(|ray: &Ray, span: Interval| {
+        let at = if span.min > 0.0 { span.min as usize } else { 0 };
+        let &(object, material, leaving) = surfaces.get(at)?;
+        let mut met = SurfaceHit { t: (at + 1) as f64, ..hit(object, material) };
+        met.interaction.geometric_normal = if leaving { ray.direction } else { -ray.direction };
+        Some(met)
+    });
     let materials = materials(&[0, 0, 0]);
-    let mut way = Way(vec![(1, 1, true), (2, 2, false), (9, 77, false), (2, 2, true), (0, 0, true)]);
     let mut interior = InteriorList::filled_with(2);
     interior.find_enclosing_media(&mut way, &materials, &Ray::new(DVec3::ZERO, DVec3::Z));
     assert_eq!(interior.entries, [MediumEntry { object: 0, material: 0 }, MediumEntry { object: 1, material: 1 }]);

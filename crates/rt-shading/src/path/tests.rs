@@ -5,13 +5,14 @@ mod reference;
 use super::*;
 use crate::{
     Appearance, Background, BsdfCache, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, LightUnits,
-    Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, SurfaceHit, Transmission,
-    light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightId, LightSampling, LightSet, QuadLight},
+    Material, MaterialModel, Phong, ReferencePathTracer, SceneQueries, Transmission,
+    light::{DiskLight, Emission, EmissionSides, EnvironmentLight, Light, LightSampling, LightSet, QuadLight},
     stream_queries::SingleQueries,
+    test_worlds::{HitFunction, ShapeList, flat_hit, gray, whitted_of},
     wavefront::test_world::{assert_close, assert_same_bits, in_streams},
 };
 use core::{f64::consts::PI, ops::Range};
-use rt_geometry::{InteractionFlags, Plane, Polygon, RayKind, Shape, Sphere};
+use rt_geometry::{Plane, Polygon, Shape, Sphere};
 use rt_math::{DVec3, Interval, Ray, Rgb, random};
 
 /// Independent numbers.
@@ -32,29 +33,6 @@ impl Sampler for Independent {
     }
 }
 
-/// Shapes, each with its material and light.
-#[derive(Default)]
-struct Shapes(Vec<(Shape, u32, Option<u32>)>);
-
-impl SceneQueries for Shapes {
-    fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let hits = self.0.iter().enumerate();
-        let hits = hits.filter_map(|(object, (shape, ..))| Some((object, shape.intersect(ray, span)?)));
-        let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
-        let (shape, material, light) = &self.0[object];
-        let light = light.map(|index| LightId { index, triangle: None });
-        Some(SurfaceHit { light, ..SurfaceHit::new(hit.t, shape.surface(ray, &hit, needs), object as u32, *material) })
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.0.iter().any(|(shape, ..)| shape.intersect(ray, span).is_some())
-    }
-}
-
-const fn gray(value: f64) -> ColorTexture {
-    ColorTexture::Constant(Rgb::gray(value))
-}
-
 fn emissive(model: MaterialModel, emission: f64) -> Material {
     Material { emission: gray(emission), ..Material::new(String::new(), model) }
 }
@@ -69,7 +47,7 @@ fn metallic_roughness(metallic: f64, roughness: f64) -> MaterialModel {
 }
 
 struct Scene {
-    shapes: Shapes,
+    world: ShapeList,
     appearance: Appearance,
     /// Area and environment lights.
     lights: Vec<Light>,
@@ -78,7 +56,7 @@ struct Scene {
 impl Scene {
     fn new(materials: Vec<Material>, lights: Vec<Light>) -> Self {
         let appearance = Appearance { materials, ..Appearance::default() };
-        Self { shapes: Shapes::default(), appearance, lights }
+        Self { world: ShapeList::default(), appearance, lights }
     }
 
     fn light_set(&self) -> LightSet {
@@ -87,7 +65,7 @@ impl Scene {
     }
 
     fn with(mut self, shape: Shape, material: u32, light: Option<u32>) -> Self {
-        self.shapes.0.push((shape, material, light));
+        self.world.shapes.push((shape, material, light));
         self
     }
 
@@ -95,7 +73,7 @@ impl Scene {
     fn trace(&mut self, settings: PathSettings, rays: &[Ray]) -> (Vec<RadianceSample>, ShadingCounts) {
         let (lights, bsdfs) = (self.light_set(), BsdfCache::new(&self.appearance, |_| true));
         let lighting = Lighting { appearance: &self.appearance, lights: &lights, bsdfs: &bsdfs };
-        trace(&mut self.shapes, lighting, settings, &[InteriorList::default()], rays)
+        trace(&mut self.world, lighting, settings, &[InteriorList::default()], rays)
     }
 
     /// The mean over so many paths from a ray, and its standard error.
@@ -317,36 +295,28 @@ fn forty_panes_of_thin_glass_each_take_their_part() {
     let (mean, _) = scene.estimate(unending, ray, 4);
     let left = rt_math::transcendental::pow(0.95, 40.0);
     assert!((mean - left).abs() < 1e-12, "{mean} is not {left}");
-    let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    let seen = crate::Whitted::new(100, 0.0, features).radiance(&mut scene.shapes, &scene.appearance, &ray);
+    let seen = whitted_of(&scene.appearance, 100).radiance(&mut scene.world, &scene.appearance, &ray);
     assert!((seen.radiance.g - left).abs() < 1e-12, "{seen:?} is not {left}");
 }
 
 /// Regression: the reference still charged bounces for more than 1024 null interfaces after the next surface; waves did not.
 #[test]
 fn bounces_charged_for_null_interfaces_end_with_the_ray() {
-    struct Sheets;
-    impl SceneQueries for Sheets {
-        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-            let t = span.min.floor() + 1.0;
-            let is_wall = t == 1030.0;
-            // Rays enter and leave the medium by turns.
-            let against = if (t as u32).is_multiple_of(2) { ray.direction } else { -ray.direction };
-            let normal = if is_wall { -ray.direction } else { against }.normalize();
-            let interaction = rt_geometry::SurfaceInteraction::flat(ray.at(t), DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit::new(t, interaction, 0, u32::from(is_wall)))
-        }
-        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
-            false
-        }
-    }
+    let mut sheets = HitFunction(|ray: &Ray, span: Interval| {
+        let t = span.min.floor() + 1.0;
+        let is_wall = t == 1030.0;
+        // Rays enter and leave the medium by turns.
+        let against = if (t as u32).is_multiple_of(2) { ray.direction } else { -ray.direction };
+        let normal = if is_wall { -ray.direction } else { against }.normalize();
+        Some(flat_hit(t, ray.at(t), normal, u32::from(is_wall)))
+    });
     let clear = MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) };
     let clear = Material { interior: Some(InteriorMedium::clear(1.0)), ..emissive(clear, 0.0) };
     let scene = Scene::new(vec![clear, emissive(diffuse(0.5), 1.0)], Vec::new());
     let (lights, bsdfs) = (scene.light_set(), BsdfCache::default());
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     let settings = PathSettings { rr_start_depth: 100, ..paths(8) };
-    let (seen, counts) = trace(&mut Sheets, lighting, settings, &[InteriorList::default()], &[at_origin(); 4]);
+    let (seen, counts) = trace(&mut sheets, lighting, settings, &[InteriorList::default()], &[at_origin(); 4]);
     // 1, ½, ... of the first four walls. The way to each costs five bounces: four and five more are too many.
     assert_eq!((seen[0].radiance.g, counts.depth_limited), (1.875, 4), "{seen:?}, {counts:?}");
 }
@@ -362,8 +332,7 @@ fn delta_lights_are_as_bright_as_under_whitted() {
     let classical = Phong { diffuse: gray(0.4), ambient: ColorTexture::ZERO, ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
     scene.appearance.lights = vec![light];
-    let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    let whitted = crate::Whitted::new(0, 0.0, features).radiance(&mut scene.shapes, &scene.appearance, &at_origin());
+    let whitted = whitted_of(&scene.appearance, 0).radiance(&mut scene.world, &scene.appearance, &at_origin());
     for settings in [paths(0), paths(3), DISTRIBUTED] {
         let (mean, error) = scene.estimate(settings, at_origin(), 4);
         assert!((mean / whitted.radiance.g - 1.0).abs() < 1e-12 && error < 1e-15, "{mean}: {whitted:?}");
@@ -388,7 +357,7 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let mut tracer = PathTracer::new(paths(6), features);
     let mut radiance_of = |range: Range<usize>| {
         in_streams(&rays[range.clone()], |_, rays, seen| {
-            let world = &mut SingleQueries::new(&mut scene.shapes);
+            let world = &mut SingleQueries::new(&mut scene.world);
             tracer.radiance_of_stream(world, lighting, rays, &samplers[range.clone()], seen);
         })
     };

@@ -1,8 +1,8 @@
 //! A world of shapes for tests of integrators of streams.
 
 use crate::{
-    RadianceSample, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle, SurfaceHit, light::LightId,
-    scene_queries::SceneQueries,
+    LaneLevel, RadianceSample, ShadingCounts, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle, SurfaceHit,
+    light::LightId, scene_queries::SceneQueries,
 };
 use core::{fmt::Debug, ops::Range};
 use rt_geometry::{
@@ -196,6 +196,26 @@ pub(crate) fn assert_same_bits(a: &[RadianceSample], b: &[RadianceSample], conte
     for (at, (a, b)) in a.iter().zip(b).enumerate() {
         assert!(bits(a) == bits(b), "ray {at} of {context}: {a:?}, {b:?}");
     }
+}
+
+/// Radiance of rays, and the work of shading.
+pub(crate) type Rendered = (Vec<RadianceSample>, ShadingCounts);
+
+/// Asserts that hits one by one and in lanes of all levels have the same radiance, bit for bit, and the same counts. Returns them.
+pub(crate) fn assert_same_at_all_levels(
+    mut rendered: impl FnMut(Option<LaneLevel>) -> Rendered,
+    context: &str,
+) -> Rendered {
+    let one = rendered(None);
+    if LaneLevel::best().is_none() {
+        println!("skipped: this processor lacks AVX2");
+    }
+    for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
+        let lanes = rendered(Some(level));
+        assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {context}");
+        assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {context}"));
+    }
+    one
 }
 
 /// Asserts that the radiance of at most so many rays differs by more than `bound`.

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::{
-    Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, Phong, SurfaceHit,
-    Transmission,
+    Background, DeltaLight, DeltaLightKind, Falloff, InteriorMedium, Material, Phong, SurfaceHit, Transmission,
+    test_worlds::{HitFunction, flat_hit, gray, whitted_of},
 };
-use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
+use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{DVec3, Rgb, transcendental::exp};
 
 /// A world in which every ray meets the surface `material` at distance 2 from either side, `bounces` times over,
@@ -32,28 +32,13 @@ impl SceneQueries for Echo {
         let against = -ray.direction.normalize();
         let normal = if kind == RayKind::Refraction { -against } else { against };
         let t = 2.0 / ray.direction.length();
-        let interaction = SurfaceInteraction::flat(ray.at(t), DVec3::ZERO, normal, [0.0; 2]);
-        Some(SurfaceHit::new(t, interaction, 0, 0))
+        Some(flat_hit(t, ray.at(t), normal, 0))
     }
 
     fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
         self.shadow_rays += 1;
         self.shadowed
     }
-}
-
-const BARE: Phong = Phong {
-    ambient: ColorTexture::ZERO,
-    diffuse: ColorTexture::ZERO,
-    specular: ColorTexture::ZERO,
-    exponent: 1.0,
-    highlight: crate::Highlight::Phong,
-    mirror: ColorTexture::ZERO,
-    transmission: None,
-};
-
-fn gray(value: f64) -> ColorTexture {
-    ColorTexture::Constant(Rgb::gray(value))
 }
 
 fn white_walls(phong: Phong) -> Appearance {
@@ -70,8 +55,7 @@ fn walls_of(material: Material) -> Appearance {
 }
 
 fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingCounts) {
-    let features = ShadingFeatures::of(appearance, |_| true);
-    let mut whitted = Whitted::new(depth, 0.0, features);
+    let mut whitted = whitted_of(appearance, depth);
     let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, -3.0));
     let trimmed = whitted.radiance(world, appearance, &ray).radiance;
     let mut again = Echo { traced: vec![], shadow_rays: 0, ..*world };
@@ -82,7 +66,7 @@ fn look(world: &mut Echo, appearance: &Appearance, depth: u32) -> (f64, ShadingC
 
 #[test]
 fn a_thousand_mirrors_multiply_exactly_that_often() {
-    let mirrors = white_walls(Phong { mirror: gray(0.999), ..BARE });
+    let mirrors = white_walls(Phong { mirror: gray(0.999), ..Phong::BLACK });
     let (seen, _) = look(&mut Echo::new(1000), &mirrors, 1000);
     assert!((seen - 0.367_695_424_8).abs() < 1e-10, "{seen}");
     let (cut, _) = look(&mut Echo::new(1000), &mirrors, 999);
@@ -90,7 +74,7 @@ fn a_thousand_mirrors_multiply_exactly_that_often() {
 }
 
 fn glowing_mirror() -> Appearance {
-    let mirror = Material::new("only".into(), Phong { mirror: gray(0.5), ..BARE });
+    let mirror = Material::new("only".into(), Phong { mirror: gray(0.5), ..Phong::BLACK });
     walls_of(Material { emission: gray(1.0), ..mirror })
 }
 
@@ -117,14 +101,14 @@ fn faint_rays_are_not_followed() {
 fn fresnels_equations_share_light_without_loss() {
     let glass = Transmission { coefficient: gray(1.0), fresnel: true };
     let inside = InteriorMedium::clear(1.5);
-    let appearance = white_walls_with(Phong { mirror: gray(1.0), transmission: Some(glass), ..BARE }, inside);
+    let appearance = white_walls_with(Phong { mirror: gray(1.0), transmission: Some(glass), ..Phong::BLACK }, inside);
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 1);
     assert_eq!(world.traced, [RayKind::Primary, RayKind::Reflection, RayKind::Refraction]);
     assert!((seen - 1.0).abs() < 1e-14, "reflected and refracted parts add up: {seen}");
     assert_eq!(counts.fresnel, 1);
     // Without what is mirrored, the reflectance at right angles, 0.04, is missing.
-    let clear = white_walls_with(Phong { transmission: Some(glass), ..BARE }, inside);
+    let clear = white_walls_with(Phong { transmission: Some(glass), ..Phong::BLACK }, inside);
     let (seen, _) = look(&mut Echo::new(1), &clear, 1);
     assert!((seen - 0.96).abs() < 1e-14, "{seen}");
 }
@@ -133,10 +117,9 @@ fn fresnels_equations_share_light_without_loss() {
 fn absorption_follows_beers_law() {
     let clear = Transmission { coefficient: gray(1.0), fresnel: false };
     let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
-    let appearance = white_walls_with(Phong { transmission: Some(clear), ..BARE }, tinted);
-    let mut whitted = Whitted::new(2, 0.0, ShadingFeatures::of(&appearance, |_| true));
+    let appearance = white_walls_with(Phong { transmission: Some(clear), ..Phong::BLACK }, tinted);
     let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
-    let seen = whitted.radiance(&mut Echo::new(2), &appearance, &ray).radiance;
+    let seen = whitted_of(&appearance, 2).radiance(&mut Echo::new(2), &appearance, &ray).radiance;
     let expected = Rgb::new(exp(-1.0), 1.0, exp(-2.0));
     assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
 }
@@ -146,29 +129,17 @@ fn what_stands_inside_glass_is_seen_through_it() {
     // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
     let clear = Transmission { coefficient: gray(1.0), fresnel: false };
     let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
-    let mut appearance = white_walls_with(Phong { transmission: Some(clear), ..BARE }, tinted);
-    let core = Material::new("core".into(), Phong { mirror: gray(1.0), ..BARE });
+    let mut appearance = white_walls_with(Phong { transmission: Some(clear), ..Phong::BLACK }, tinted);
+    let core = Material::new("core".into(), Phong { mirror: gray(1.0), ..Phong::BLACK });
     appearance.materials.push(Material { emission: gray(1.0), ..core });
-    struct Paperweight(u32);
-    impl SceneQueries for Paperweight {
-        fn closest(&mut self, ray: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-            self.0 += 1;
-            // The glass, the core, and the glass again from inside.
-            let (normal, material) = match self.0 {
-                1 => (-ray.direction, 0),
-                2 => (-ray.direction, 1),
-                3 => (ray.direction, 0),
-                _ => return None,
-            };
-            let interaction = SurfaceInteraction::flat(ray.at(2.0), DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit::new(2.0, interaction, 0, material))
-        }
-        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
-            false
-        }
-    }
-    let mut whitted = Whitted::new(9, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let seen = whitted.radiance(&mut Paperweight(0), &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z)).radiance;
+    // The glass, the core, and the glass again from inside.
+    let mut surfaces = [(-1.0, 0), (-1.0, 1), (1.0, 0)].into_iter();
+    let mut paperweight = HitFunction(|ray: &Ray, _| {
+        let (side, material) = surfaces.next()?;
+        Some(flat_hit(2.0, ray.at(2.0), ray.direction * side, material))
+    });
+    let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z);
+    let seen = whitted_of(&appearance, 9).radiance(&mut paperweight, &appearance, &ray).radiance;
     // The core's own light goes 2 units through the glass, the mirrored room's goes 4.
     let expected = Rgb::new(exp(-1.0) + exp(-2.0), 2.0, exp(-2.0) + exp(-4.0));
     assert!((seen - expected).map(f64::abs).max_component() < 1e-14, "{seen:?}");
@@ -178,22 +149,11 @@ fn what_stands_inside_glass_is_seen_through_it() {
 fn totally_reflected_light_is_dropped_when_mixed_by_constants() {
     // A ray that grazes a denser outside: the shading normal is tilted, so that Snell has no solution.
     let thin = Transmission { coefficient: gray(0.85), fresnel: false };
-    let phong = Phong { transmission: Some(thin), mirror: gray(0.2), ..BARE };
+    let phong = Phong { transmission: Some(thin), mirror: gray(0.2), ..Phong::BLACK };
     let appearance = white_walls_with(phong, InteriorMedium::clear(0.2));
-    struct Tilted(u32);
-    impl SceneQueries for Tilted {
-        fn closest(&mut self, _: &Ray, _: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-            self.0 += 1;
-            let normal = DVec3::new(0.8, 0.0, 0.6);
-            let interaction = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, normal, [0.0; 2]);
-            (self.0 == 1).then_some(SurfaceHit::new(1.0, interaction, 0, 0))
-        }
-        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
-            false
-        }
-    }
-    let mut whitted = Whitted::new(3, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let seen = whitted.radiance(&mut Tilted(0), &appearance, &Ray::new(DVec3::Z, DVec3::NEG_Z));
+    let mut surface = Some(flat_hit(1.0, DVec3::ZERO, DVec3::new(0.8, 0.0, 0.6), 0));
+    let mut tilted = HitFunction(|_: &Ray, _| surface.take());
+    let seen = whitted_of(&appearance, 3).radiance(&mut tilted, &appearance, &Ray::new(DVec3::Z, DVec3::NEG_Z));
     assert_eq!(seen.radiance, Rgb::gray(0.2), "the mirrored part alone");
 }
 
@@ -206,7 +166,7 @@ fn local_light_is_phongs_sum() {
             Rgb::gray(2.0),
         )
     };
-    let phong = Phong { ambient: gray(0.1), diffuse: gray(0.5), specular: gray(0.25), exponent: 3.0, ..BARE };
+    let phong = Phong { ambient: gray(0.1), diffuse: gray(0.5), specular: gray(0.25), exponent: 3.0, ..Phong::BLACK };
     let mut appearance = white_walls(phong);
     appearance.materials[0].emission = gray(0.01);
     appearance.ambient = Rgb::gray(0.5);
@@ -224,7 +184,7 @@ fn local_light_is_phongs_sum() {
 #[test]
 fn lights_behind_the_surface_cost_no_shadow_ray() {
     let kind = DeltaLightKind::Point { position: DVec3::Z * -9.0, falloff: Falloff::None, shadow_near: 0.0 };
-    let mut appearance = white_walls(Phong { diffuse: gray(1.0), ..BARE });
+    let mut appearance = white_walls(Phong { diffuse: gray(1.0), ..Phong::BLACK });
     appearance.lights = vec![DeltaLight::new(kind, Rgb::WHITE)];
     let mut world = Echo::new(1);
     let (seen, counts) = look(&mut world, &appearance, 0);
@@ -233,7 +193,7 @@ fn lights_behind_the_surface_cost_no_shadow_ray() {
 
 #[test]
 fn unknown_materials_are_black() {
-    let mut appearance = white_walls(BARE);
+    let mut appearance = white_walls(Phong::BLACK);
     appearance.materials.clear();
     assert_eq!(look(&mut Echo::new(1), &appearance, 3).0, 0.0);
 }

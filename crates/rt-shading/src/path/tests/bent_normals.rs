@@ -1,28 +1,8 @@
 //! Shading normals that face away from the viewer: the geometric normal determines sides under every integrator.
 
 use super::*;
-use crate::Highlight;
+use crate::{Highlight, SurfaceHit};
 use core::f64::consts::TAU;
-
-/// Shapes, of which the first has a shading normal that is not its own.
-struct Tilted {
-    shapes: Shapes,
-    normal: DVec3,
-}
-
-impl SceneQueries for Tilted {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let mut hit = self.shapes.closest(ray, span, kind, needs)?;
-        if hit.object == 0 {
-            hit.interaction.shading_normal = self.normal;
-        }
-        Some(hit)
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.shapes.occluded(ray, span)
-    }
-}
 
 const ALL_SETTINGS: [PathSettings; 4] = [
     paths(0),
@@ -41,20 +21,24 @@ fn towards_wall(wo: DVec3) -> Ray {
     Ray::new(DVec3::Y * 0.3 + wo * 2.0, -wo)
 }
 
+/// The shapes of a scene, of which the first has a shading normal that is not its own.
+fn tilted(scene: &Scene, normal: DVec3) -> ShapeList {
+    let normal_of = move |hit: &SurfaceHit| if hit.object == 0 { normal } else { hit.interaction.shading_normal };
+    ShapeList { shapes: scene.world.shapes.clone(), shading_normal: Some(Box::new(normal_of)), rays: None }
+}
+
 /// Mean and standard error of the green channel at a point of a wall, seen from the unit direction `wo`.
 fn estimate(scene: &Scene, normal: DVec3, wo: DVec3, settings: PathSettings, count: u32) -> (f64, f64) {
-    let mut world = Tilted { shapes: Shapes(scene.shapes.0.clone()), normal };
     let lights = scene.light_set();
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
     let rays = vec![towards_wall(wo); count as usize];
-    let (seen, _) = trace(&mut world, lighting, settings, &[InteriorList::default()], &rays);
+    let (seen, _) = trace(&mut tilted(scene, normal), lighting, settings, &[InteriorList::default()], &rays);
     mean_and_error(&seen)
 }
 
 fn whitted(scene: &Scene, normal: DVec3, wo: DVec3) -> f64 {
-    let mut world = Tilted { shapes: Shapes(scene.shapes.0.clone()), normal };
-    let features = ShadingFeatures::of(&scene.appearance, |_| true);
-    crate::Whitted::new(3, 0.0, features).radiance(&mut world, &scene.appearance, &towards_wall(wo)).radiance.g
+    let mut world = tilted(scene, normal);
+    whitted_of(&scene.appearance, 3).radiance(&mut world, &scene.appearance, &towards_wall(wo)).radiance.g
 }
 
 /// A unit vector above the wall at the cosine `y`.

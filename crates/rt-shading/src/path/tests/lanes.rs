@@ -12,8 +12,8 @@ use crate::{
     },
     path::{Clamp, Lighting, lane_material::LaneMaterials},
     wavefront::test_world::{
-        ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_bits, camera_rays, in_streams, number,
-        shares_of_differences, vector,
+        Rendered, ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_at_all_levels, camera_rays,
+        in_streams, number, shares_of_differences, vector,
     },
 };
 use rt_geometry::{RayStream, Sphere};
@@ -134,7 +134,6 @@ impl TestScene {
         scene
     }
 
-    /// A sphere of one material.
     fn sphere(kinds: LightKinds, material: Material) -> Self {
         let mut scene = Self::new(kinds, 1.0);
         let shape = TestShape::Sphere(Sphere::new(DVec3::ZERO, 3.0).expect("a sphere"));
@@ -164,8 +163,6 @@ const REPLACED: [fn() -> [Material; 5]; 6] = [
 fn samplers(count: usize) -> Vec<Independent> {
     (0..count as u64).map(|key| Independent { key, dimension: 0 }).collect()
 }
-
-type Rendered = (Vec<RadianceSample>, ShadingCounts);
 
 /// Radiance of camera rays.
 fn traced(scene: &mut TestScene, mut paths: PathTracer<Independent>, rays: &[(Ray, Interval)]) -> Rendered {
@@ -206,22 +203,6 @@ fn of_reference(scene: &mut TestScene, settings: PathSettings, rays: &[(Ray, Int
     let li = |((ray, _), mut sampler): (&(Ray, Interval), Independent)| reference.li(world, ray, &mut sampler);
     let seen = rays.iter().zip(samplers(rays.len())).map(li).collect();
     (seen, reference.counts)
-}
-
-/// Asserts that radiance and counts of hits one by one and in lanes of all levels are bit-identical. Returns them.
-fn assert_same_bits_at_all_levels(
-    scene: &mut TestScene,
-    settings: PathSettings,
-    rays: &[(Ray, Interval)],
-    context: &str,
-) -> Rendered {
-    let one = in_f32(scene, None, settings, rays);
-    for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-        let lanes = in_f32(scene, Some(level), settings, rays);
-        assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{level:?}, {context}");
-        assert_same_bits(&one.0, &lanes.0, &format!("{level:?}, {context}"));
-    }
-    one
 }
 
 /// Asserts that the radiance in `f64`, of hits in lanes, is that of the reference, with different transport and depths.
@@ -314,14 +295,12 @@ fn the_scenes_of_these_tests_have_all_cases() {
 
 #[test]
 fn lanes_have_the_bits_of_single_hits_at_all_levels() {
-    if LaneLevel::best().is_none() {
-        println!("skipped: this processor lacks AVX2");
-    }
     for kinds in LIT_BY {
         for n_rays in [1, 7, 8, 9, 255, 257, 600] {
             let rays = camera_rays(n_rays, 1.0);
             let mut scene = TestScene::new(kinds, 1.0);
-            assert_same_bits_at_all_levels(&mut scene, settings(5), &rays, &format!("{n_rays} rays, {kinds:?}"));
+            let context = format!("{n_rays} rays, {kinds:?}");
+            assert_same_at_all_levels(|level| in_f32(&mut scene, level, settings(5), &rays), &context);
         }
     }
 }
@@ -339,7 +318,7 @@ fn all_materials_have_the_bits_of_single_hits_at_all_levels() {
     let rays = camera_rays(600, 1.0);
     for (kinds, materials) in [LIT_BY[1], LIT_BY[4]].into_iter().flat_map(|kinds| REPLACED.map(|with| (kinds, with))) {
         let mut scene = TestScene::with_materials(kinds, materials);
-        assert_same_bits_at_all_levels(&mut scene, settings(5), &rays, &format!("{kinds:?}"));
+        assert_same_at_all_levels(|level| in_f32(&mut scene, level, settings(5), &rays), &format!("{kinds:?}"));
     }
 }
 

@@ -4,7 +4,8 @@
 
 use super::*;
 use crate::{
-    Channel, FloatTexture, LayeredBase, LayeredSurface, Texture, TextureId, bsdf::ComplexIor, light::SphereLight,
+    Channel, FloatTexture, LayeredBase, LayeredSurface, SurfaceHit, Texture, TextureId, bsdf::ComplexIor,
+    light::SphereLight,
 };
 use core::slice::from_ref;
 use rt_geometry::SurfaceInteraction;
@@ -25,21 +26,11 @@ fn all_settings() -> impl Iterator<Item = PathSettings> {
     })
 }
 
-/// Shapes with shading normals that vary from point to point, by up to about 30 degrees.
-struct BentNormals(Shapes);
-
-impl SceneQueries for BentNormals {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        let mut hit = self.0.closest(ray, span, kind, needs)?;
-        let SurfaceInteraction { point, shading_normal, .. } = &mut hit.interaction;
-        let bend = (*point * 3.0 + DVec3::new(0.1, 0.2, 0.3)).fract() - DVec3::splat(0.5);
-        *shading_normal = (*shading_normal + bend * 0.7).normalize();
-        Some(hit)
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.0.occluded(ray, span)
-    }
+/// Shading normal that varies from point to point, by up to about 30 degrees.
+fn bent_normal(hit: &SurfaceHit) -> DVec3 {
+    let SurfaceInteraction { point, shading_normal, .. } = hit.interaction;
+    let bend = (point * 3.0 + DVec3::new(0.1, 0.2, 0.3)).fract() - DVec3::splat(0.5);
+    (shading_normal + bend * 0.7).normalize()
 }
 
 fn solid(model: MaterialModel, interior: InteriorMedium) -> Material {
@@ -151,8 +142,8 @@ fn views(count: u64) -> Vec<Ray> {
 
 #[test]
 fn every_path_has_the_radiance_of_the_reference() {
-    let scene = exhibition();
-    let mut world = BentNormals(Shapes(scene.shapes.0.clone()));
+    let mut scene = exhibition();
+    scene.world.shading_normal = Some(Box::new(bent_normal));
     let lights = scene.light_set();
     let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
     assert!(bsdfs.count().0 > 4, "{:?}", bsdfs.count());
@@ -161,7 +152,7 @@ fn every_path_has_the_radiance_of_the_reference() {
     let mixed: Vec<_> = (0..RAYS).map(|at| if at % 2 == 0 { air.clone() } else { water.clone() }).collect();
     for settings in all_settings() {
         for surroundings in [from_ref(&air), from_ref(&water), &mixed] {
-            let (seen, counts) = trace(&mut world, lighting, settings, surroundings, &views(RAYS));
+            let (seen, counts) = trace(&mut scene.world, lighting, settings, surroundings, &views(RAYS));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             let (min_lit, min_passages) =

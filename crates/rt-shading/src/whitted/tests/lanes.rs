@@ -5,8 +5,8 @@ use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
     Phong, Texture, TextureId, Transmission,
     wavefront::test_world::{
-        ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_bits, camera_rays, in_streams,
-        shares_of_differences,
+        Rendered, ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_at_all_levels, camera_rays,
+        in_streams, shares_of_differences,
     },
 };
 use rt_geometry::Sphere;
@@ -116,8 +116,6 @@ fn shapes(appearance: &Appearance, scale: f64) -> ShapeWorld {
     ShapeWorld::new(appearance.materials.len() as u32, scale).with_bent_normals()
 }
 
-type Image = (Vec<RadianceSample>, ShadingCounts);
-
 /// Camera rays with what they see.
 struct View<'a> {
     features: ShadingFeatures,
@@ -130,26 +128,26 @@ impl View<'_> {
         Whitted::new(4, 1e-3, self.features)
     }
 
-    fn traced(&self, mut whitted: Whitted, world: &mut impl StreamQueries) -> Image {
+    fn traced(&self, mut whitted: Whitted, world: &mut impl StreamQueries) -> Rendered {
         let seen =
             in_streams(self.rays, |_, rays, seen| whitted.radiance_of_stream(world, self.appearance, rays, seen));
         (seen, whitted.take_counts())
     }
 
     /// Radiance of hits that are shaded one by one in `f64`.
-    fn one_by_one(&self, world: &mut ShapeWorld) -> Image {
+    fn one_by_one(&self, world: &mut ShapeWorld) -> Rendered {
         self.traced(self.whitted().in_f64(), &mut SingleQueries::new(world))
     }
 
     /// Radiance in `f32`, in lanes of a level.
-    fn in_lanes(&self, level: Option<LaneLevel>, world: &mut ShapeWorld) -> Image {
+    fn in_lanes(&self, level: Option<LaneLevel>, world: &mut ShapeWorld) -> Rendered {
         let mut whitted = self.whitted();
         whitted.set_lanes(level);
         self.traced(whitted, world)
     }
 
     /// Radiance with the code for lanes, in `f64`.
-    fn in_f64(&self, world: &mut ShapeWorld) -> Image {
+    fn in_f64(&self, world: &mut ShapeWorld) -> Rendered {
         self.traced(self.whitted().in_f64(), world)
     }
 }
@@ -259,19 +257,12 @@ fn the_worlds_of_these_tests_have_all_cases() {
 fn lanes_have_the_bits_of_single_hits_at_all_levels() {
     let appearance = appearance(1.0);
     let mut world = shapes(&appearance, 1.0);
-    if LaneLevel::best().is_none() {
-        println!("skipped: this processor lacks AVX2");
-    }
     for features in features() {
         for n_rays in [1, 7, 8, 9, 255, 256, 257, 1000] {
             let rays = camera_rays(n_rays, 1.0);
             let view = View { features, appearance: &appearance, rays: &rays };
-            let one = view.in_lanes(None, &mut world);
-            for level in [LaneLevel::avx2(), LaneLevel::best()].into_iter().flatten() {
-                let lanes = view.in_lanes(Some(level), &mut world);
-                assert_eq!(one.1.without_lanes(), lanes.1.without_lanes(), "{n_rays} rays, {level:?}, {features:?}");
-                assert_same_bits(&one.0, &lanes.0, &format!("{n_rays} rays, {level:?}, {features:?}"));
-            }
+            let context = format!("{n_rays} rays, {features:?}");
+            assert_same_at_all_levels(|level| view.in_lanes(level, &mut world), &context);
         }
     }
 }

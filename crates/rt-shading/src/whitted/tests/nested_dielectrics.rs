@@ -1,41 +1,20 @@
 //! Tests of nested dielectrics against paths in closed form.
 
-use super::{super::*, BARE};
-use crate::{Background, ColorTexture, InteriorMedium, Material, Phong, SurfaceHit, Transmission};
-use rt_geometry::{Cuboid, InteractionFlags, Plane, RayKind, Shape, Sphere, Triangle};
+use super::super::*;
+use crate::{
+    Background, ColorTexture, InteriorMedium, Material, Phong, Transmission,
+    test_worlds::{HitFunction, ShapeList, flat_hit, gray, whitted_of},
+};
+use rt_geometry::{Cuboid, Plane, Shape, Sphere, Triangle};
 use rt_math::{
     DVec3, Rgb,
     transcendental::{acos, asin, cos, exp, sin, sincos, tan},
 };
 
-/// Shapes with materials, tested in order. Records the rays.
-struct ShapeList {
-    shapes: Vec<(Shape, u32)>,
-    rays: Vec<(RayKind, Ray)>,
-}
-
-impl ShapeList {
-    fn new(shapes: Vec<(Shape, u32)>) -> Self {
-        Self { shapes, rays: vec![] }
-    }
-
-    fn last(&self) -> Ray {
-        self.rays.last().expect("a ray was traced").1
-    }
-}
-
-impl SceneQueries for ShapeList {
-    fn closest(&mut self, ray: &Ray, span: Interval, kind: RayKind, needs: InteractionFlags) -> Option<SurfaceHit> {
-        self.rays.push((kind, *ray));
-        let hits = self.shapes.iter().enumerate().filter_map(|(i, (shape, _))| Some((i, shape.intersect(ray, span)?)));
-        let (object, hit) = hits.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))?;
-        let (shape, material) = &self.shapes[object];
-        Some(SurfaceHit::new(hit.t, shape.surface(ray, &hit, needs), object as u32, *material))
-    }
-
-    fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.shapes.iter().any(|(shape, _)| shape.intersect(ray, span).is_some())
-    }
+/// World of shapes with materials that records rays.
+fn world_of(shapes: &[(Shape, u32)]) -> ShapeList {
+    let shapes = shapes.iter().map(|(shape, material)| (shape.clone(), *material, None)).collect();
+    ShapeList { shapes, shading_normal: None, rays: Some(Vec::new()) }
 }
 
 fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Shape {
@@ -56,17 +35,17 @@ fn body(ior: f64, absorption: f64, priority: i32) -> Material {
 }
 
 fn clear() -> Phong {
-    Phong { transmission: Some(Transmission { coefficient: WHITE, fresnel: false }), ..BARE }
+    Phong { transmission: Some(Transmission { coefficient: WHITE, fresnel: false }), ..Phong::BLACK }
 }
 
 /// A clear body of Fresnel's glass.
 fn fresnel(ior: f64) -> Material {
     let transmission = Some(Transmission { coefficient: WHITE, fresnel: true });
-    Material { model: Phong { mirror: WHITE, transmission, ..BARE }.into(), ..body(ior, 0.0, 0) }
+    Material { model: Phong { mirror: WHITE, transmission, ..Phong::BLACK }.into(), ..body(ior, 0.0, 0) }
 }
 
 fn glow(radiance: f64) -> Material {
-    Material { emission: ColorTexture::Constant(Rgb::gray(radiance)), ..Material::new(String::new(), BARE) }
+    Material { emission: gray(radiance), ..Material::new(String::new(), Phong::BLACK) }
 }
 
 fn white_walls(materials: &[Material]) -> Appearance {
@@ -75,19 +54,23 @@ fn white_walls(materials: &[Material]) -> Appearance {
 
 struct Look {
     seen: Rgb,
-    world: ShapeList,
+    rays: Vec<Ray>,
     counts: ShadingCounts,
+}
+
+impl Look {
+    fn last(&self) -> Ray {
+        *self.rays.last().expect("a ray was traced")
+    }
 }
 
 /// Looks along a ray, with all of shading and with what is needed.
 fn look(shapes: &[(Shape, u32)], appearance: &Appearance, depth: u32, ray: &Ray) -> Look {
-    let mut world = ShapeList::new(shapes.to_vec());
-    let mut whitted = Whitted::new(depth, 0.0, ShadingFeatures::of(appearance, |_| true));
+    let (mut world, mut whitted) = (world_of(shapes), whitted_of(appearance, depth));
     let seen = whitted.radiance(&mut world, appearance, ray);
-    let full =
-        Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut ShapeList::new(shapes.to_vec()), appearance, ray);
+    let full = Whitted::new(depth, 0.0, ShadingFeatures::ALL).radiance(&mut world_of(shapes), appearance, ray);
     assert_eq!(seen, full, "trimmed and full shading must agree to the bit");
-    Look { seen: seen.radiance, world, counts: whitted.counts() }
+    Look { seen: seen.radiance, rays: world.rays.unwrap_or_default(), counts: whitted.counts() }
 }
 
 /// A unit vector that runs down, `degrees` from the vertical towards +x.
@@ -99,8 +82,7 @@ fn down(degrees: f64) -> DVec3 {
 #[test]
 fn a_slab_shifts_a_ray_at_45_degrees() {
     let ray = Ray::new(DVec3::new(-2.0, 3.0, 0.5), down(45.0));
-    let Look { world, .. } = look(&[(slab(0.0, 1.0), 0)], &white_walls(&[body(1.5, 0.0, 0)]), 9, &ray);
-    let out = world.last();
+    let out = look(&[(slab(0.0, 1.0), 0)], &white_walls(&[body(1.5, 0.0, 0)]), 9, &ray).last();
     let shift = ray.direction.cross(out.origin - ray.origin).length();
     assert!((shift - 0.329_142_308_2).abs() < 1e-10, "{shift}");
     assert!((out.direction - ray.direction).length() < 1e-15, "parallel");
@@ -109,8 +91,8 @@ fn a_slab_shifts_a_ray_at_45_degrees() {
 #[test]
 fn a_ball_turns_a_ray_that_meets_it_at_30_degrees() {
     let ray = Ray::new(DVec3::new(0.5, 0.0, 5.0), DVec3::NEG_Z);
-    let Look { world, .. } = look(&[(sphere(0.0, 0.0, 0.0, 1.0), 0)], &white_walls(&[body(1.5, 0.0, 0)]), 9, &ray);
-    let turned = acos(world.last().direction.dot(ray.direction)).to_degrees();
+    let out = look(&[(sphere(0.0, 0.0, 0.0, 1.0), 0)], &white_walls(&[body(1.5, 0.0, 0)]), 9, &ray).last();
+    let turned = acos(out.direction.dot(ray.direction)).to_degrees();
     assert!((turned - 21.057_558_731_0).abs() < 1e-10, "{turned}");
 }
 
@@ -120,17 +102,21 @@ fn water_that_reaches_into_its_glass_begins_where_the_glass_ends() {
     let (glass, water) = (body(1.5, 0.3, 1), body(1.333, 0.7, 0));
     let ray = Ray::new(DVec3::new(0.0, 1.0, 0.0) - down(45.0), down(45.0));
     let shapes = [(slab(0.0, 1.0), 0), (slab(-2.0, 0.5), 1)];
-    let Look { seen, world, counts } = look(&shapes, &white_walls(&[glass, water]), 3, &ray);
+    let look = look(&shapes, &white_walls(&[glass, water]), 3, &ray);
     // Snell's law at each boundary.
     let in_glass = asin(sin(45f64.to_radians()) / 1.5);
     let in_water = asin(sin(45f64.to_radians()) / 1.333);
-    let out = world.last();
+    let out = look.last();
     let expected = DVec3::new(tan(in_glass) + 2.0 * tan(in_water), -2.0, 0.0);
     assert!((out.origin - expected).length() < 1e-14, "{}", out.origin);
     assert!((out.direction - ray.direction).length() < 1e-15);
     let tint = exp(-0.3 / cos(in_glass) - 0.7 * 2.0 / cos(in_water));
-    assert!((seen.r - tint).abs() < 1e-14, "{} not {tint}", seen.r);
-    assert_eq!((counts.passages, counts.refractions), (1, 3), "the water's surface in the glass is not there");
+    assert!((look.seen.r - tint).abs() < 1e-14, "{} not {tint}", look.seen.r);
+    assert_eq!(
+        (look.counts.passages, look.counts.refractions),
+        (1, 3),
+        "the water's surface in the glass is not there"
+    );
 }
 
 #[test]
@@ -162,11 +148,10 @@ fn a_bubble_in_glass_bends_light_as_air_does() {
     let appearance = white_walls(&[body(1.5, 0.4, 0), body(1.0, 0.0, 1)]);
     let outside = asin(1.5 * sin(20f64.to_radians())).to_degrees();
     let ray = Ray::new(DVec3::Y - down(outside), down(outside));
-    let Look { seen, world, .. } = look(&shapes, &appearance, 9, &ray);
+    let Look { seen, rays, .. } = look(&shapes, &appearance, 9, &ray);
     let expected = exp(-0.4 * 1.5 / cos(20f64.to_radians()));
     assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
-    let in_bubble = world.rays[2].1;
-    assert!((in_bubble.direction - ray.direction).length() < 1e-15);
+    assert!((rays[2].direction - ray.direction).length() < 1e-15);
 }
 
 #[test]
@@ -180,16 +165,16 @@ fn a_body_as_dense_as_the_air_is_not_there() {
         let without = look(std::slice::from_ref(&floor), &appearance, 0, &ray);
         assert_eq!(with.seen, without.seen, "no bounce is counted");
         assert_eq!((with.counts.fresnel, with.counts.mirrors), (0, 0));
-        assert!(with.world.rays.iter().all(|(_, traced)| traced.origin == ray.origin), "the ray itself goes on");
+        assert!(with.rays.iter().all(|traced| traced.origin == ray.origin), "the ray itself goes on");
     }
 }
 
 #[test]
 fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
-    let half = ColorTexture::Constant(Rgb::gray(0.5));
+    let half = gray(0.5);
     let with = |phong: Phong, ior: f64| Material { model: phong.into(), ..body(ior, 0.0, 0) };
     let film = Transmission { coefficient: half, fresnel: false };
-    let painted = with(Phong { mirror: half, transmission: Some(film), ..BARE }, 1.0);
+    let painted = with(Phong { mirror: half, transmission: Some(film), ..Phong::BLACK }, 1.0);
     let shapes = [(sphere(0.0, 0.0, 0.0, 1.0), 0)];
     let ray = Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z);
     // Half is mirrored at the front, a quarter passes both surfaces, and what the back mirrors is cut off.
@@ -205,13 +190,11 @@ fn only_what_the_index_of_refraction_does_vanishes_where_it_is_the_same() {
 #[test]
 fn smoke_is_seen_though_its_surface_is_not() {
     let appearance = white_walls(&[body(1.0, 0.5, 0)]);
-    let mut whitted = Whitted::new(0, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let mut world = ShapeList::new(vec![(sphere(0.0, 0.0, 0.0, 1.0), 0)]);
-    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
+    let (mut world, ray) = (world_of(&[(sphere(0.0, 0.0, 0.0, 1.0), 0)]), Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z));
+    let seen = whitted_of(&appearance, 0).radiance(&mut world, &appearance, &ray);
     assert!(seen.hit && (seen.radiance.r - exp(-1.0)).abs() < 1e-15);
     let air = white_walls(&[body(1.0, 0.0, 0)]);
-    let mut whitted = Whitted::new(0, 0.0, ShadingFeatures::of(&air, |_| true));
-    assert!(!whitted.radiance(&mut world, &air, &Ray::new(DVec3::Z * 3.0, DVec3::NEG_Z)).hit);
+    assert!(!whitted_of(&air, 0).radiance(&mut world, &air, &ray).hit);
 }
 
 #[test]
@@ -245,8 +228,7 @@ fn a_plate_reflects_and_passes_the_sum_of_all_its_inner_reflections() {
 /// Walls that glow with 0.001 and mirror 0.999: after n bounces 1 − 0.999ⁿ⁺¹ is seen.
 #[test]
 fn a_mirrored_box_multiplies_a_thousand_times() {
-    let mirror = ColorTexture::Constant(Rgb::gray(0.999));
-    let walls = Material { model: Phong { mirror, ..BARE }.into(), ..glow(0.001) };
+    let walls = Material { model: Phong { mirror: gray(0.999), ..Phong::BLACK }.into(), ..glow(0.001) };
     let enclosure = Cuboid::new(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.5, 2.0, 2.5)).expect("a box");
     let ray = Ray::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.5, -0.6, 0.7));
     let Look { seen, counts, .. } = look(&[(Shape::Cuboid(enclosure), 0)], &white_walls(&[walls]), 999, &ray);
@@ -256,14 +238,14 @@ fn a_mirrored_box_multiplies_a_thousand_times() {
 
 #[test]
 fn facing_mirrors_are_cut_at_the_depth_and_no_earlier() {
-    let mirror = Material::new(String::new(), Phong { mirror: WHITE, ..BARE });
+    let mirror = Material::new(String::new(), Phong { mirror: WHITE, ..Phong::BLACK });
     let plane = |y: f64| (Shape::Plane(Plane::new(DVec3::Y * y, DVec3::Y).expect("a plane")), 0);
     // 89.9999° from the mirrors.
     let ray = Ray::new(DVec3::Y * 0.5, down(1e-4));
-    let Look { seen, world, counts } = look(&[plane(0.0), plane(1.0)], &white_walls(&[mirror]), 10_000, &ray);
-    assert_eq!((seen, counts.depth_limited), (Rgb::BLACK, 1));
-    assert_eq!(world.rays.len(), 10_001);
-    let travelled = world.last().origin.x;
+    let look = look(&[plane(0.0), plane(1.0)], &white_walls(&[mirror]), 10_000, &ray);
+    assert_eq!((look.seen, look.counts.depth_limited), (Rgb::BLACK, 1));
+    assert_eq!(look.rays.len(), 10_001);
+    let travelled = look.last().origin.x;
     assert!((travelled - 9_999.5 * tan(1e-4f64.to_radians())).abs() < 1e-9, "{travelled}");
 }
 
@@ -276,9 +258,7 @@ fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
         let (sin, cos) = sincos(f64::from(i) * 2.4);
         let distance = 0.9999 * (f64::from(i) / 1e4).sqrt();
         let ray = Ray::new(DVec3::new(cos * distance, sin * distance, 7.0), DVec3::NEG_Z);
-        let mut world = ShapeList::new(shapes.to_vec());
-        let seen =
-            Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true)).radiance(&mut world, &appearance, &ray);
+        let seen = whitted_of(&appearance, 5).radiance(&mut world_of(&shapes), &appearance, &ray);
         assert_eq!(seen.radiance, Rgb::gray(0.25), "ray {i}");
     }
 }
@@ -287,9 +267,9 @@ fn a_body_a_billionth_under_the_glass_is_seen_through_it() {
 fn a_body_that_was_never_entered_is_left_as_if_it_had_been() {
     // From the middle of a slab that the ray never entered: Snell's law and Beer's on the way out.
     let ray = Ray::new(DVec3::ZERO, down(30.0));
-    let Look { seen, world, .. } = look(&[(slab(-1.0, 1.0), 0)], &white_walls(&[body(1.5, 0.5, 0)]), 5, &ray);
-    assert!((world.last().direction.x - 0.75).abs() < 1e-15);
-    assert!((seen.r - exp(-0.5 / cos(30f64.to_radians()))).abs() < 1e-15);
+    let out = look(&[(slab(-1.0, 1.0), 0)], &white_walls(&[body(1.5, 0.5, 0)]), 5, &ray);
+    assert!((out.last().direction.x - 0.75).abs() < 1e-15);
+    assert!((out.seen.r - exp(-0.5 / cos(30f64.to_radians()))).abs() < 1e-15);
     // Mirrored inside, it goes on inside.
     let steep = Ray::new(DVec3::ZERO, down(60.0));
     let mirrors = Material { model: Phong { mirror: WHITE, ..clear() }.into(), ..body(1.5, 0.5, 0) };
@@ -302,13 +282,13 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     // In water 0.5 above the bottom of a glass: the ray goes through the water, the glass, and out.
     let shapes = [(slab(-1.0, 1.0), 0), (slab(-9.0, 0.0), 1)];
     let appearance = white_walls(&[body(1.33, 0.5, 0), body(1.5, 0.25, 1)]);
-    let mut world = ShapeList::new(shapes.to_vec());
+    let mut world = world_of(&shapes);
     let mut interior = InteriorList::default();
     let ray = Ray::new(DVec3::Y * 0.5, down(20.0));
     interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
     assert!(!interior.is_empty());
     for surroundings in [&interior, &InteriorList::filled_with(0)] {
-        let mut whitted = Whitted::new(5, 0.0, ShadingFeatures::of(&appearance, |_| true));
+        let mut whitted = whitted_of(&appearance, 5);
         whitted.set_surroundings(core::slice::from_ref(surroundings));
         let seen = whitted.radiance(&mut world, &appearance, &ray).radiance;
         let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
@@ -371,23 +351,14 @@ fn an_edge_that_two_triangles_share_is_entered_once() {
 
 #[test]
 fn a_ray_through_endlessly_many_surfaces_ends() {
-    struct Sheets(u32);
-    impl SceneQueries for Sheets {
-        fn closest(&mut self, ray: &Ray, span: Interval, _: RayKind, _: InteractionFlags) -> Option<SurfaceHit> {
-            self.0 += 1;
-            let t = span.min.floor() + 1.0;
-            let (point, normal) = (ray.at(t), if self.0.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z });
-            let interaction = rt_geometry::SurfaceInteraction::flat(point, DVec3::ZERO, normal, [0.0; 2]);
-            Some(SurfaceHit::new(t, interaction, 0, 0))
-        }
-        fn occluded(&mut self, _: &Ray, _: Interval) -> bool {
-            false
-        }
-    }
     let appearance = white_walls(&[body(1.0, 0.0, 0)]);
-    let mut whitted = Whitted::new(7, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let mut world = Sheets(0);
-    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
+    let (mut whitted, mut n_rays) = (whitted_of(&appearance, 7), 0u32);
+    let mut sheets = HitFunction(|ray: &Ray, span: Interval| {
+        n_rays += 1;
+        let t = span.min.floor() + 1.0;
+        Some(flat_hit(t, ray.at(t), if n_rays.is_multiple_of(2) { DVec3::Z } else { DVec3::NEG_Z }, 0))
+    });
+    let seen = whitted.radiance(&mut sheets, &appearance, &Ray::new(DVec3::ZERO, DVec3::NEG_Z));
     assert_eq!((seen.radiance, whitted.counts().depth_limited), (Rgb::BLACK, 1));
-    assert_eq!(world.0, crate::hit_context::MAX_NULL_INTERFACES + 8);
+    assert_eq!(n_rays, crate::hit_context::MAX_NULL_INTERFACES + 8);
 }

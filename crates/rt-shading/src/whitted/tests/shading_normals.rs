@@ -3,7 +3,7 @@
 use super::super::*;
 use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, InteriorMedium, Material, Phong, SurfaceHit, Transmission,
-    optics,
+    optics, test_worlds::whitted_of,
 };
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{DVec3, Interval, Rgb};
@@ -49,8 +49,7 @@ fn look(direction: DVec3, shading_normal: DVec3, phong: Phong, lights: Vec<Delta
         ..Appearance::default()
     };
     let mut world = Facet { shading_normal, later: vec![], shadow_rays: vec![], met: false };
-    let mut whitted = Whitted::new(1, 0.0, ShadingFeatures::of(&appearance, |_| true));
-    let seen = whitted.radiance(&mut world, &appearance, &Ray::new(-direction, direction));
+    let seen = whitted_of(&appearance, 1).radiance(&mut world, &appearance, &Ray::new(-direction, direction));
     (seen.radiance, world)
 }
 
@@ -62,16 +61,12 @@ fn tilted(degrees: f64) -> DVec3 {
 
 const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 
-fn bare() -> Phong {
-    Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, ..Phong::default() }
-}
-
 #[test]
 fn mirrored_rays_start_and_stay_on_the_viewers_side() {
     let mut bent = 0;
     for (from, tilt) in (91..180).flat_map(|from| (-85..86).map(move |tilt| (from, tilt))) {
         let (direction, normal) = (tilted(f64::from(from)), tilted(f64::from(tilt)));
-        let (_, world) = look(direction, normal, Phong { mirror: WHITE, ..bare() }, vec![]);
+        let (_, world) = look(direction, normal, Phong { mirror: WHITE, ..Phong::BLACK }, vec![]);
         let [(RayKind::Reflection, ray)] = world.later[..] else { panic!("{:?}", world.later) };
         assert!(ray.origin.y > 0.0 && ray.direction.y >= 0.0, "view {from}°, normal {tilt}°: {ray:?}");
         bent += usize::from(optics::reflect(direction, normal).y < 0.0);
@@ -82,7 +77,7 @@ fn mirrored_rays_start_and_stay_on_the_viewers_side() {
 #[test]
 fn refracted_rays_start_and_stay_on_the_far_side() {
     let glass = Transmission { coefficient: WHITE, fresnel: false };
-    let phong = Phong { transmission: Some(glass), ..bare() };
+    let phong = Phong { transmission: Some(glass), ..Phong::BLACK };
     // From inside, where the floor's normal points along the ray.
     let mut bent = 0;
     for (towards, tilt) in (0..90).flat_map(|towards| (-85..86).map(move |tilt| (towards, tilt))) {
@@ -107,7 +102,7 @@ fn sun_from(towards: DVec3) -> DeltaLight {
 fn where_a_normal_is_bent_shadow_rays_start_on_its_side() {
     // The shading normal faces away from the viewer, and from the light; the facet faces both, and so does the normal
     // that is perpendicular to the view, 70° from the light.
-    let phong = Phong { diffuse: WHITE, ..bare() };
+    let phong = Phong { diffuse: WHITE, ..Phong::BLACK };
     let (seen, world) = look(tilted(-100.0), tilted(-80.0), phong, vec![sun_from(tilted(60.0))]);
     assert!(world.shadow_rays[0].origin.y > 0.0, "{:?}", world.shadow_rays);
     assert!((seen.r - rt_math::transcendental::cos(70f64.to_radians())).abs() < 1e-12, "{seen:?}");
@@ -115,7 +110,7 @@ fn where_a_normal_is_bent_shadow_rays_start_on_its_side() {
 
 #[test]
 fn shading_does_not_jump_where_an_interpolated_normal_turns_away() {
-    let phong = Phong { diffuse: WHITE, ..bare() };
+    let phong = Phong { diffuse: WHITE, ..Phong::BLACK };
     let lit = |tilt: f64| look(tilted(-100.0), tilted(tilt), phong, vec![sun_from(tilted(20.0))]).0.r;
     // Perpendicular to the view at −10°.
     let values: Vec<f64> = (0..3000).map(|i| lit(10.0 - f64::from(i) * 0.01)).collect();
