@@ -1,6 +1,7 @@
 //! Media around the origins of camera rays.
 
 use rt_camera::{Camera, Projection};
+use rt_geometry::RayStream;
 use rt_math::{Aabb, DVec2, DVec3, Ray};
 use rt_scene_io::{NamedCamera, Scene};
 use rt_shading::{InteriorList, Material, SceneQueries};
@@ -49,18 +50,22 @@ impl CameraMedium {
         Self::Constant(find_enclosing(scene, world, &Ray::new(pinhole, PROBE_DIRECTION)))
     }
 
-    /// Version of [`find`](Self::find) for several rays: `surroundings[i]` is the list of `rays[i]`.
-    pub(crate) fn find_all(
-        &self,
+    /// Version of [`find`](Self::find) for a stream: one list for all rays, or one for each, which are written to `lists`.
+    pub(crate) fn find_all<'a>(
+        &'a self,
         world: &mut dyn SceneQueries,
         materials: &[Material],
-        rays: impl ExactSizeIterator<Item = Ray>,
-        surroundings: &mut Vec<InteriorList>,
-    ) {
-        surroundings.resize_with(rays.len(), InteriorList::default);
-        for (ray, interior) in rays.zip(surroundings) {
-            self.find(world, materials, &ray, interior);
+        rays: &RayStream,
+        lists: &'a mut Vec<InteriorList>,
+    ) -> &'a [InteriorList] {
+        if let Self::Constant(all) = self {
+            return core::slice::from_ref(all);
         }
+        lists.resize_with(rays.len(), InteriorList::default);
+        for (at, interior) in lists.iter_mut().enumerate() {
+            self.find(world, materials, &rays.get(at).0, interior);
+        }
+        lists
     }
 
     /// Sets `interior` to the dielectrics around the origin of a camera ray.

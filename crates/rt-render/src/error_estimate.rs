@@ -86,8 +86,14 @@ pub(crate) struct ErrorSums {
 }
 
 impl ErrorSums {
+    pub(crate) fn of<'p>(pixels: impl IntoIterator<Item = &'p PixelEstimate>) -> Self {
+        let mut sums = Self::default();
+        pixels.into_iter().for_each(|pixel| sums.add(pixel));
+        sums
+    }
+
     /// Adds a pixel. Pixels of fewer than two passes have no error estimate and are skipped.
-    pub(crate) fn add(&mut self, pixel: &PixelEstimate) {
+    fn add(&mut self, pixel: &PixelEstimate) {
         let Some(variance) = pixel.variance() else { return };
         let mean_of_channels = |rgb: Rgb| (rgb.r + rgb.g + rgb.b) / 3.0;
         let square = mean_of_channels(variance);
@@ -212,8 +218,7 @@ mod tests {
     fn equal_passes_have_no_error() {
         let mut pixel = PixelEstimate::default();
         (0..3).for_each(|_| pixel.add(Rgb::WHITE, 1.0, 4));
-        let mut sums = ErrorSums::default();
-        sums.add(&pixel);
+        let sums = ErrorSums::of(&[pixel]);
         let none = ErrorEstimate { rmse: 0.0, interval: [0.0; 2], mean: 1.0, relative: 0.0, largest: 0.0 };
         assert_eq!(sums.estimate(), Some(none));
     }
@@ -223,8 +228,7 @@ mod tests {
         let of = |unit: f64| {
             let mut pixel = PixelEstimate::default();
             [1.0, 2.0, 6.0].into_iter().for_each(|mean| pixel.add(Rgb::gray(mean * unit), 1.0, 4));
-            let mut sums = ErrorSums::default();
-            sums.add(&pixel);
+            let sums = ErrorSums::of(&[pixel]);
             let estimate = sums.estimate().expect("three passes");
             assert_eq!(sums.relative_rmse(), Some(estimate.relative_rmse()));
             estimate
@@ -245,13 +249,8 @@ mod tests {
                 estimate
             })
             .collect();
-        let of = |pixels: &[PixelEstimate]| {
-            let mut sums = ErrorSums::default();
-            pixels.iter().for_each(|pixel| sums.add(pixel));
-            sums
-        };
-        let merged = ErrorSums::merged([of(&pixels[..3]), of(&pixels[3..])]);
-        let (whole, merged) = (of(&pixels).estimate().expect("passes"), merged.estimate().expect("passes"));
+        let merged = ErrorSums::merged([ErrorSums::of(&pixels[..3]), ErrorSums::of(&pixels[3..])]);
+        let (whole, merged) = (ErrorSums::of(&pixels).estimate().expect("passes"), merged.estimate().expect("passes"));
         assert!((whole.rmse - merged.rmse).abs() < 1e-15 && whole.largest == merged.largest);
         assert!(whole.interval[0] < whole.rmse && whole.rmse < whole.interval[1]);
     }

@@ -43,18 +43,8 @@ impl VisibleSet {
         Ok(Some(Self { indices, structure, of }))
     }
 
-    fn closest<P: Primitives, S: Probe>(&self, all: &P, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        self.structure.closest(&Subset { all, indices: &self.indices }, ray, span, probe)
-    }
-
-    fn closest_batch<P: Primitives, S: Probe>(
-        &self,
-        all: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        self.structure.closest_batch(&Subset { all, indices: &self.indices }, rays, hits, probe);
+    const fn subset<'a, P>(&'a self, all: &'a P) -> Subset<'a, P> {
+        Subset { all, indices: self.indices.as_slice() }
     }
 
     pub(crate) const fn structure(&self) -> &AnyAccelerator {
@@ -63,7 +53,7 @@ impl VisibleSet {
 
     /// Rule by which the accelerator was chosen.
     pub(crate) fn reason<P: Primitives>(&self, accel_options: AccelOptions, all: &P) -> String {
-        accel_choice::reason(accel_options, &Subset { all, indices: &self.indices })
+        accel_choice::reason(accel_options, &self.subset(all))
     }
 
     /// Number of culled primitives.
@@ -102,8 +92,9 @@ pub(crate) fn collect_small<P: Primitives>(
     match wider {
         None => structure.visit_overlapping(primitives, &region, note),
         Some(wider) => {
-            let subset = Subset { all: primitives, indices: &wider.indices };
-            wider.structure.visit_overlapping(&subset, &region, |at| note(wider.indices[at as usize]));
+            wider
+                .structure
+                .visit_overlapping(&wider.subset(primitives), &region, |at| note(wider.indices[at as usize]));
         }
     }
     let indices = indices.get(..len)?.iter().copied();
@@ -150,7 +141,7 @@ impl PrimaryTarget<'_> {
     ) -> Option<Hit> {
         match self {
             Self::All(structure) => structure.closest(all, ray, span, probe),
-            Self::Culled(visible) => visible.closest(all, ray, span, probe),
+            Self::Culled(visible) => visible.structure.closest(&visible.subset(all), ray, span, probe),
             Self::Tile(small) => small.closest(all, ray, span, probe),
         }
     }
@@ -165,7 +156,7 @@ impl PrimaryTarget<'_> {
     ) {
         match self {
             Self::All(structure) => structure.closest_batch(all, rays, hits, probe),
-            Self::Culled(visible) => visible.closest_batch(all, rays, hits, probe),
+            Self::Culled(visible) => visible.structure.closest_batch(&visible.subset(all), rays, hits, probe),
             Self::Tile(small) => small.closest_batch(all, rays, hits, probe),
         }
     }

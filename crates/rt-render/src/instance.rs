@@ -56,9 +56,8 @@ impl Instance {
     /// Surface hit at `t`. `triangle` is the index of the hit triangle of a mesh.
     #[inline]
     fn surface_hit(&self, t: f64, interaction: SurfaceInteraction, triangle: Option<u32>) -> SurfaceHit {
-        let light = self.light.map(|index| LightId { index, triangle });
         let Self { object, material, casts_shadow, .. } = *self;
-        SurfaceHit { t, interaction, object, material, light, casts_shadow }
+        SurfaceHit { t, interaction, object, material, light: self.light_id(triangle), casts_shadow }
     }
 
     /// Light of a hit on it, on a triangle if it is a mesh.
@@ -67,7 +66,6 @@ impl Instance {
         self.light.map(|index| LightId { index, triangle })
     }
 
-    /// Surface of a triangle of a mesh.
     #[inline]
     fn triangle_surface(
         &self,
@@ -81,14 +79,12 @@ impl Instance {
         Some(self.surface_hit(hit.t, surface, Some(triangle)))
     }
 
-    /// Surface of a shape.
     #[inline]
     fn shape_surface(&self, shape: &Shape, ray: &Ray, hit: &Hit, needs: InteractionFlags) -> SurfaceHit {
         self.surface_hit(hit.t, shape.surface(ray, &ShapeHit { t: hit.t, uv: hit.uv }, self.needs(needs)), None)
     }
 }
 
-/// Geometry of an instance.
 #[derive(Debug)]
 pub(crate) enum InstanceGeometry {
     Shape(Shape),
@@ -139,7 +135,6 @@ pub(crate) struct Aggregate {
 }
 
 impl Aggregate {
-    /// Instances as a set of primitives.
     pub(crate) fn set<'w>(&'w self, levels: &'w BottomLevel) -> Instances<'w> {
         let &Self { ref instances, is_flat, has_only_primitives, .. } = self;
         Instances { instances, levels, is_flat, has_only_primitives }
@@ -187,7 +182,6 @@ fn to_local(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
     parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
 }
 
-/// Batch version of [`to_local`].
 fn to_local_batch<'r>(
     rays: &'r [(Ray, Interval)],
     parent_from_local: Option<&Transform>,
@@ -204,7 +198,6 @@ fn to_local_animated(rays: &[(Ray, Interval)], animated: &Animated) -> Vec<(Ray,
 }
 
 impl Instances<'_> {
-    /// Index of the hit instance.
     pub(crate) fn instance_index(&self, hit: &Hit) -> u32 {
         if self.is_flat { hit.primitive } else { hit.instance }
     }
@@ -389,7 +382,6 @@ impl Instances<'_> {
         self.closest_on((index, &animated.geometry), &ray, span, probe)
     }
 
-    /// True if an instance occludes the ray.
     #[inline]
     fn occluded_by<S: Probe>(&self, geometry: &InstanceGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         match geometry {

@@ -3,7 +3,7 @@
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
 use rt_geometry::Counters;
 use rt_math::{Sampler, random::hash};
-use rt_shading::{CameraWiSample, LightTracingIntegrator, LightTracingScene, Lighting, ShadingCounts};
+use rt_shading::{CameraWiSample, LightTracingIntegrator, LightTracingScene, ShadingCounts};
 
 use crate::{
     RenderPlan,
@@ -20,7 +20,6 @@ const CHUNK: u64 = 4096;
 /// Seed that separates the random numbers of light paths from those of pixels.
 const LIGHT_PATHS: u64 = 0x6c69_6768_7420_7061;
 
-/// Light paths of a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightPass {
     pass: u32,
@@ -63,8 +62,6 @@ impl RenderPlan<'_> {
         let mut lit =
             LightChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.scene.light_sources else { return lit };
-        let lighting =
-            Lighting { appearance: &self.scene.appearance, lights: &self.scene.lights, bsdfs: &self.scene.bsdfs };
         let (world, structure) = (self.scene.world.instances(), &self.scene.world.top.structure);
         let mut world = SceneTracer::new(&world, structure, PrimaryTarget::All(structure), WorkProbe::new(count));
         // Always Sobol' points: unlike camera samples, light paths are not arranged in pixels.
@@ -77,7 +74,7 @@ impl RenderPlan<'_> {
             let time = self.frame.sample_time(&mut sample);
             (sample, time)
         });
-        let scene = LightTracingScene { lighting, sources };
+        let scene = LightTracingScene { lighting: self.scene.lighting(), sources };
         let sight = |point, time, sampler: &mut SampleStream| {
             let on_lens = if self.frame.camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
             let sight = self.frame.camera.sample_wi(point, on_lens, time)?;

@@ -13,9 +13,24 @@ use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 #[derive(Debug)]
 pub(crate) struct MeshBlas {
     pub(crate) mesh: Arc<TriangleMesh>,
-    /// Alpha test of the material.
     pub(crate) alpha_test: Option<AlphaTest>,
     pub(crate) structure: AnyAccelerator,
+}
+
+/// Evaluates an expression with the triangles of a mesh, which pass its alpha test if it has one.
+macro_rules! with_triangles {
+    ($blas:expr, $textures:expr, $triangles:ident => $body:expr) => {
+        match &$blas.alpha_test {
+            None => {
+                let $triangles = &*$blas.mesh;
+                $body
+            }
+            Some(alpha_test) => {
+                let $triangles = &AlphaTestedMesh { mesh: &$blas.mesh, alpha_test, textures: $textures };
+                $body
+            }
+        }
+    };
 }
 
 impl MeshBlas {
@@ -26,21 +41,11 @@ impl MeshBlas {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        match &self.alpha_test {
-            None => self.structure.closest(&*self.mesh, ray, span, probe),
-            Some(alpha_test) => {
-                self.structure.closest(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
-            }
-        }
+        with_triangles!(self, textures, triangles => self.structure.closest(triangles, ray, span, probe))
     }
 
     pub(crate) fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        match &self.alpha_test {
-            None => self.structure.occluded(&*self.mesh, ray, span, probe),
-            Some(alpha_test) => {
-                self.structure.occluded(&AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures }, ray, span, probe)
-            }
-        }
+        with_triangles!(self, textures, triangles => self.structure.occluded(triangles, ray, span, probe))
     }
 
     pub(crate) fn closest_batch<S: Probe>(
@@ -50,13 +55,7 @@ impl MeshBlas {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        match &self.alpha_test {
-            None => self.structure.closest_batch(&*self.mesh, rays, hits, probe),
-            Some(alpha_test) => {
-                let tested = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
-                self.structure.closest_batch(&tested, rays, hits, probe);
-            }
-        }
+        with_triangles!(self, textures, triangles => self.structure.closest_batch(triangles, rays, hits, probe));
     }
 
     pub(crate) fn occluded_batch<S: Probe>(
@@ -66,12 +65,6 @@ impl MeshBlas {
         blocked: &mut [bool],
         probe: &mut S,
     ) {
-        match &self.alpha_test {
-            None => self.structure.occluded_batch(&*self.mesh, rays, blocked, probe),
-            Some(alpha_test) => {
-                let tested = AlphaTestedMesh { mesh: &self.mesh, alpha_test, textures };
-                self.structure.occluded_batch(&tested, rays, blocked, probe);
-            }
-        }
+        with_triangles!(self, textures, triangles => self.structure.occluded_batch(triangles, rays, blocked, probe));
     }
 }

@@ -128,7 +128,7 @@ impl Progressive<'_> {
             return ControlFlow::Break(());
         }
         state.statistics.passes += 1;
-        state.error = error_of(&state.pixels);
+        state.error = ErrorSums::of(&state.pixels);
         let samples = state.statistics.samples - samples_before;
         if samples > 0 {
             state.seconds_per_sample = pass_started.elapsed().as_secs_f64() / samples as f64;
@@ -224,12 +224,6 @@ fn accumulate(
 fn extrapolated(samples: u64, elapsed: Duration, time: Duration) -> u64 {
     let progress = elapsed.as_secs_f64() / time.as_secs_f64().max(1e-9);
     (samples as f64 / progress.clamp(1e-9, 1.0)) as u64
-}
-
-fn error_of(pixels: &[PixelEstimate]) -> ErrorSums {
-    let mut sums = ErrorSums::default();
-    pixels.iter().for_each(|pixel| sums.add(pixel));
-    sums
 }
 
 #[cfg(test)]

@@ -89,14 +89,13 @@ impl RenderPlan<'_> {
         let mut tracer =
             SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
         tracer.layers = layers;
-        let mut result = match (&self.integrator, &self.frame.medium) {
-            (IntegratorState::Whitted, CameraMedium::Constant(interior)) => {
-                whitted.set_surroundings(core::slice::from_ref(interior));
-                self.sample_tile(job, camera, |rays, _, seen| {
-                    whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
-                })
-            }
-            (IntegratorState::Path(settings), medium) if self.integrator_kind() == Integrator::PathReference => {
+        let (medium, mut lists) = (&self.frame.medium, Vec::new());
+        let mut result = match &self.integrator {
+            IntegratorState::Whitted => self.sample_tile(job, camera, |rays, _, seen| {
+                whitted.set_surroundings(medium.find_all(&mut tracer, materials, rays, &mut lists));
+                whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
+            }),
+            IntegratorState::Path(settings) if self.integrator_kind() == Integrator::PathReference => {
                 let mut reference = ReferencePathTracer {
                     settings: *settings,
                     lighting,
@@ -113,37 +112,17 @@ impl RenderPlan<'_> {
                 result.shading = reference.counts;
                 result
             }
-            (IntegratorState::Path(_), CameraMedium::Constant(interior)) => {
-                paths.set_surroundings(core::slice::from_ref(interior));
-                self.sample_tile(job, camera, |rays, samplers, seen| {
-                    paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
-                })
-            }
-            (IntegratorState::Path(_), medium @ CameraMedium::PerRay(_)) => {
-                let mut surroundings = Vec::new();
-                self.sample_tile(job, camera, |rays, samplers, seen| {
-                    let all = (0..rays.len()).map(|at| rays.get(at).0);
-                    medium.find_all(&mut tracer, materials, all, &mut surroundings);
-                    paths.set_surroundings(&surroundings);
-                    paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
-                })
-            }
-            (IntegratorState::AmbientOcclusion(view), _) => self.sample_tile(job, camera, |rays, samplers, seen| {
+            IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, seen| {
+                paths.set_surroundings(medium.find_all(&mut tracer, materials, rays, &mut lists));
+                paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
+            }),
+            IntegratorState::AmbientOcclusion(view) => self.sample_tile(job, camera, |rays, samplers, seen| {
                 occlusion.radiance_of(view, &mut tracer, rays, samplers, seen);
             }),
-            (IntegratorState::Whitted, medium @ CameraMedium::PerRay(_)) => {
-                let mut surroundings = Vec::new();
-                self.sample_tile(job, camera, |rays, _, seen| {
-                    let all = (0..rays.len()).map(|at| rays.get(at).0);
-                    medium.find_all(&mut tracer, materials, all, &mut surroundings);
-                    whitted.set_surroundings(&surroundings);
-                    whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
-                })
-            }
-            (IntegratorState::Aov(view), _) => {
+            IntegratorState::Aov(view) => {
                 self.sample_tile(job, camera, |rays, _, seen| view.radiance_of(&mut tracer, rays, hits, seen))
             }
-            (IntegratorState::Cost, _) => self.sample_tile(job, camera, |rays, _, seen| {
+            IntegratorState::Cost => self.sample_tile(job, camera, |rays, _, seen| {
                 for (at, seen) in seen.iter_mut().enumerate() {
                     *seen = cost(&mut tracer, &rays.get(at).0);
                 }

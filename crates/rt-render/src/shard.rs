@@ -257,12 +257,7 @@ impl Shard {
     pub(crate) fn film(&self) -> Image {
         let Crop { width, height, .. } = self.layout.crop;
         let mut film = Image::new(width, height, self.layout.transparent);
-        for (&number, finished) in &self.tiles {
-            self.copy_tile(number, &finished.pixels, film.pixels_mut());
-            if let Some(alpha) = film.alpha_mut() {
-                self.copy_tile(number, &finished.alpha, alpha);
-            }
-        }
+        self.tiles.iter().for_each(|(&number, finished)| self.draw(number, finished, &mut film));
         film
     }
 
@@ -287,10 +282,7 @@ impl Shard {
         let mut maps = self.layout.maps.then(|| (constant(f32::INFINITY), constant(0.0)));
         // Free each tile after copying it: film tiles and image together then take little more memory than one of them.
         while let Some((number, finished)) = self.tiles.pop_last() {
-            self.copy_tile(number, &finished.pixels, film.pixels_mut());
-            if let Some(alpha) = film.alpha_mut() {
-                self.copy_tile(number, &finished.alpha, alpha);
-            }
+            self.draw(number, &finished, &mut film);
             if let Some((errors, counts)) = &mut maps {
                 self.copy_tile(number, &finished.standard_errors, errors.pixels_mut());
                 self.copy_tile(number, &finished.counts_of_pixels(), counts.pixels_mut());
@@ -309,6 +301,12 @@ impl Shard {
             layers: self.layers,
             lost: self.lost.iter().map(|&number| tile(self.layout.crop, number as usize)).collect(),
         }
+    }
+
+    /// Copies the radiance and coverage of a tile into the image.
+    fn draw(&self, number: u32, finished: &FilmTile, film: &mut Image) {
+        self.copy_tile(number, &finished.pixels, film.pixels_mut());
+        self.copy_tile(number, &finished.alpha, film.alpha_mut().unwrap_or_default());
     }
 
     /// Copies the values of a tile into the image. An empty list changes no pixel.

@@ -62,8 +62,6 @@ impl FilmTile {
             Some(variance) => rounded(variance.map(f64::sqrt)),
             None => [f32::INFINITY; 3],
         };
-        let mut error = ErrorSums::default();
-        pixels.clone().for_each(|pixel| error.add(pixel));
         let optional = |is_kept: bool| pixels.clone().filter(move |_| is_kept);
         Self {
             pixels: pixels.clone().map(|pixel| rounded(pixel.mean())).collect(),
@@ -72,7 +70,7 @@ impl FilmTile {
             samples: counts.iter().copied().map(u64::from).sum(),
             counts: if range[0] == range[1] { Vec::new() } else { counts },
             range,
-            error,
+            error: ErrorSums::of(pixels),
         }
     }
 
