@@ -1,7 +1,7 @@
 //! Caustics compared with closed forms and with path tracing.
 
 use rt_camera::CameraSettings;
-use rt_geometry::{Plane, Rectangle, Shape};
+use rt_geometry::{Rectangle, Shape};
 use rt_math::{DVec2, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, Rendering, RunOptions, StopRule};
 use rt_scene_io::{Content, Integrator, MeshId, RenderSettings, Scene, SceneNode};
@@ -10,7 +10,7 @@ use rt_shading::{
     bsdf::ComplexIor, light::EmissionSides,
 };
 
-use crate::support::{self, camera, compile, cuboid, everything, film, node, sphere};
+use crate::support::{self, camera, compile, cuboid, everything, film, node, plane, sphere};
 
 const IOR: f64 = 1.5;
 
@@ -34,7 +34,7 @@ fn emissive(radiance: f64, emission_sides: EmissionSides) -> Material {
 }
 
 fn floor() -> Content {
-    Content::Shape(Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane")))
+    plane(DVec3::ZERO, DVec3::Y)
 }
 
 fn light(kind: DeltaLightKind) -> DeltaLight {

@@ -5,10 +5,10 @@ use rt_geometry::RayKind;
 use rt_image::Image;
 use rt_math::{DVec2, Rgb, Transform};
 use rt_render::{Crop, PlanOptions, RunOptions, Statistics};
-use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, MaterialId, Scene, SceneNode};
+use rt_scene_io::{Accel, Content, Group, GroupId, Integrator, Scene};
 use rt_shading::{Background, ColorTexture, Phong};
 
-use crate::support::{self, compile, compile_with, everything, full, point_light, sphere, spheres};
+use crate::support::{self, compile, compile_with, everything, full, node, node_at, point_light, sphere, spheres};
 
 /// 300 mirrors in all directions around the camera, most of them outside the view.
 pub(crate) fn surrounded() -> Scene {
@@ -22,7 +22,7 @@ pub(crate) fn surrounded() -> Scene {
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[u64::from(i), k])) - 1.0;
             let centre = rt_math::DVec3::new(unit(0), unit(1), unit(2)).normalize() * (4.0 + f64::from(i % 7)) + eye;
-            SceneNode::new(sphere(centre.x, centre.y, centre.z, 0.3), MaterialId(0))
+            node(sphere(centre.x, centre.y, centre.z, 0.3), 0)
         })
         .collect();
     scene.settings.depth = 3;
@@ -75,17 +75,12 @@ fn mixed_worlds_keep_their_floor_and_their_groups() {
     scene.name = "mixed".into();
     let eye = scene.cameras[0].settings.world_from_camera.translation();
     // Behind the camera: single spheres, and instances of a group, culled as a whole.
-    scene
-        .groups
-        .push(Group { name: "ball".into(), nodes: vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(2))] });
+    scene.groups.push(Group { name: "ball".into(), nodes: vec![node(sphere(0.0, 0.0, 0.0, 0.5), 2)] });
     let group = GroupId(scene.groups.len() as u32 - 1);
     for i in 0..40 {
         let centre = eye * 1.5 + rt_math::DVec3::X * f64::from(i - 20);
-        scene.nodes.push(SceneNode::new(sphere(centre.x, centre.y, centre.z, 0.4), MaterialId(0)));
-        scene.nodes.push(SceneNode {
-            parent_from_local: Transform::translate(centre + rt_math::DVec3::Y),
-            ..SceneNode::new(Content::Instance(group), MaterialId(0))
-        });
+        scene.nodes.push(node(sphere(centre.x, centre.y, centre.z, 0.4), 0));
+        scene.nodes.push(node_at(Content::Instance(group), 0, Transform::translate(centre + rt_math::DVec3::Y)));
     }
     let left_out = culled(&scene, &PlanOptions::default()).expect("something to leave out");
     assert!((80..90).contains(&left_out), "{left_out}: all that were added, and hardly more");
@@ -151,7 +146,7 @@ fn scattered() -> Scene {
     scene.nodes = (0..40u32)
         .map(|i| {
             let (x, y) = (f64::from(i % 8), f64::from(i / 8));
-            SceneNode::new(sphere(-1.0 + 0.1 * x, 0.2 + 0.05 * y * y, -y, 0.12), MaterialId(0))
+            node(sphere(-1.0 + 0.1 * x, 0.2 + 0.05 * y * y, -y, 0.12), 0)
         })
         .collect();
     (scene.film.width, scene.film.height) = (96, 64);

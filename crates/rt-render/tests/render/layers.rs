@@ -1,20 +1,19 @@
 //! Layers of the first surfaces that camera rays hit.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection, SamplerKind};
-use rt_geometry::{Cuboid, MeshData, Rectangle, Shape, Sphere, TriangleMesh};
+use rt_geometry::{MeshData, Rectangle, Shape};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
 use rt_render::{
     Crop, FAR_DEPTH, FirstHitLayer, LayerValues, PlanOptions, RenderPlan, Rendering, RunOptions, StopRule,
 };
-use rt_scene_io::{
-    Accel, AdaptiveSampling, Content, Group, GroupId, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode,
-};
+use rt_scene_io::{Accel, AdaptiveSampling, Content, Group, GroupId, Integrator, MeshId, Scene};
 use rt_shading::{ColorTexture, Material, MaterialModel, light::EmissionSides};
 
-use crate::support::{compile, compile_with, everything, full, interrupted, sphere, spheres};
+use crate::support::{
+    compile, compile_with, cuboid, everything, full, interrupted, mesh, node, node_at, sphere, spheres,
+};
 
 fn all(plan: &RenderPlan<'_>, threads: usize) -> Vec<LayerValues> {
     plan.first_hit_layers(FirstHitLayer::ALL, plan.samples_per_pixel(), threads).expect("threads")
@@ -28,11 +27,10 @@ fn values(layers: &[LayerValues], layer: FirstHitLayer, pixel: usize) -> Vec<f32
 /// A red sphere of radius 1 around the origin, seen from (0, 0, 5) by an image of 9 by 9 pixels.
 fn one_sphere() -> Scene {
     let mut scene = spheres();
-    let sphere = Sphere::new(DVec3::ZERO, 1.0).expect("a sphere");
     let mut material = Material::new("red".to_owned(), MaterialModel::Diffuse { albedo: red(), roughness: 0.0 });
     material.emission = ColorTexture::Constant(Rgb::new(0.0, 2.0, 0.0));
     scene.appearance.materials = vec![material];
-    scene.nodes = vec![SceneNode::new(Content::Shape(Shape::Sphere(sphere)), MaterialId(0))];
+    scene.nodes = vec![node(sphere(0.0, 0.0, 0.0, 1.0), 0)];
     scene.groups.clear();
     let projection = Projection::Perspective { fov: 0.7, axis: FovAxis::Vertical };
     scene.cameras[0].settings = CameraSettings::new(Transform::translate(DVec3::Z * 5.0), projection);
@@ -130,8 +128,7 @@ fn layers_do_not_depend_on_threads_accelerator_trimming_or_crop() {
 #[test]
 fn instances_have_the_same_numbers_in_trimmed_and_full_plans() {
     let mut boxed = one_sphere();
-    let cuboid = Cuboid::new(DVec3::new(-1.0, -3.0, -1.0), DVec3::new(1.0, -1.5, 1.0)).expect("a cuboid");
-    boxed.nodes.push(SceneNode::new(Content::Shape(Shape::Cuboid(cuboid)), MaterialId(0)));
+    boxed.nodes.push(node(cuboid([-1.0, -3.0, -1.0], [1.0, -1.5, 1.0]), 0));
     for scene in [spheres(), boxed] {
         let ids = [false, true].map(|full| {
             let plan = compile_with(&scene, PlanOptions { full, ..PlanOptions::default() });
@@ -153,26 +150,14 @@ fn objects_of_all_kinds(n: u32) -> Scene {
         let corner = y * (n + 1) + x;
         data.triangles.extend([[corner, corner + 1, corner + n + 2], [corner, corner + n + 2, corner + n + 1]]);
     }
-    let mesh = TriangleMesh::build(data).expect("a mesh").0;
-    let cuboid = Cuboid::new(DVec3::splat(-0.3), DVec3::splat(0.3)).expect("a cuboid");
-    let group = vec![
-        SceneNode::new(sphere(0.0, 0.5, 0.0, 0.3), MaterialId(0)),
-        SceneNode::new(Content::Shape(Shape::Cuboid(cuboid)), MaterialId(0)),
-    ];
-    let instance = |x| SceneNode {
-        parent_from_local: Transform::translate(DVec3::X * x),
-        ..SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0))
-    };
+    let group = vec![node(sphere(0.0, 0.5, 0.0, 0.3), 0), node(cuboid([-0.3; 3], [0.3; 3]), 0)];
+    let instance = |x| node_at(Content::Instance(GroupId(0)), 0, Transform::translate(DVec3::X * x));
     let mut scene = one_sphere();
     (scene.film.width, scene.film.height) = (48, 48);
-    scene.meshes = vec![NamedMesh { name: "sheet".to_owned(), mesh: Arc::new(mesh) }];
+    scene.meshes = vec![mesh("sheet", data)];
     scene.groups = vec![Group { name: "pair".to_owned(), nodes: group }];
-    scene.nodes = vec![
-        SceneNode::new(Content::Mesh(MeshId(0)), MaterialId(0)),
-        instance(-0.8),
-        instance(0.8),
-        SceneNode::new(sphere(0.0, -0.8, 0.0, 0.3), MaterialId(0)),
-    ];
+    scene.nodes =
+        vec![node(Content::Mesh(MeshId(0)), 0), instance(-0.8), instance(0.8), node(sphere(0.0, -0.8, 0.0, 0.3), 0)];
     scene
 }
 

@@ -3,10 +3,10 @@
 use rt_geometry::RayKind;
 use rt_math::Rgb;
 use rt_render::{PlanOptions, RunOptions, ShardSpec, Statistics};
-use rt_scene_io::{Accel, MaterialId, Scene, SceneNode};
+use rt_scene_io::{Accel, Scene};
 use rt_shading::{ColorTexture, ShadingCounts};
 
-use crate::support::{compile, compile_with, everything, full, render, sphere, spheres};
+use crate::support::{compile, compile_with, everything, full, node, render, sphere, spheres};
 
 const COUNT: RunOptions<'_> =
     RunOptions { threads: 1, count: true, maps: false, shard: ShardSpec::ALL, interrupt: None, layers: &[] };
@@ -69,7 +69,7 @@ fn no_shadow_rays_where_nothing_casts_shadows() {
 #[test]
 fn unused_materials_cost_nothing() {
     let mut scene = everything();
-    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(5))];
+    scene.nodes = vec![node(sphere(0.0, 0.0, 0.0, 1.0), 5)];
     let statistics = statistics(&scene);
     let ShadingCounts { highlights, mirrors, refractions, .. } = statistics.shading;
     assert_eq!((highlights, mirrors, refractions), (0, 0, 0));

@@ -3,10 +3,10 @@
 use rt_camera::{Lens, Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb};
-use rt_scene_io::{Integrator, MaterialId, Scene, SceneNode};
-use rt_shading::{Background, ColorTexture, Material, Phong};
+use rt_scene_io::{Integrator, Scene};
+use rt_shading::Background;
 
-use crate::support::{compile, everything, film, film_with, full, point_light, sphere, spheres};
+use crate::support::{compile, everything, film, film_with, full, glowing, node, point_light, sphere, spheres};
 
 const LENS: Lens = Lens { radius: 0.4, focus: 8.0, blades: Some(6), rotation: 0.3 };
 
@@ -39,7 +39,7 @@ fn culling_covers_rays_through_all_points_of_the_lens() {
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[i, k])) - 1.0;
             let place = DVec3::new(unit(0), unit(1), unit(2)).normalize() * (1.0 + (i % 9) as f64) + eye;
-            SceneNode::new(sphere(place.x, place.y, place.z, 0.2), MaterialId(0))
+            node(sphere(place.x, place.y, place.z, 0.2), 0)
         })
         .collect();
     let view = scene.cameras[0].settings.projection;
@@ -61,12 +61,10 @@ fn culling_covers_rays_through_all_points_of_the_lens() {
 #[test]
 fn blur_conserves_energy() {
     let mut scene = spheres();
-    let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
-    let white = ColorTexture::Constant(Rgb::WHITE);
-    scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
+    scene.appearance.materials[0] = glowing(Rgb::WHITE);
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 0.8), MaterialId(0))];
+    scene.nodes = vec![node(sphere(0.0, 0.0, 0.0, 0.8), 0)];
     (scene.settings.spp, scene.settings.pattern) = (256, SamplerKind::Sobol);
     let total = |film: &Image| film.pixels().iter().map(|pixel| f64::from(pixel[0])).sum::<f64>();
     let brightest_edge = |film: &Image| film.pixels().iter().filter(|pixel| pixel[0] > 0.02 && pixel[0] < 0.98).count();
@@ -82,8 +80,7 @@ fn blur_conserves_energy() {
 fn each_ray_starts_in_the_medium_of_its_lens_point() {
     let mut scene = through_a_lens(everything());
     let eye = scene.cameras[0].settings.world_from_camera.translation();
-    let sphere = sphere(eye.x + 0.5, eye.y, eye.z, 0.5);
-    scene.nodes.push(SceneNode::new(sphere, MaterialId(3)));
+    scene.nodes.push(node(sphere(eye.x + 0.5, eye.y, eye.z, 0.5), 3));
     let plan = compile(&scene);
     assert!(plan.explain().to_string().contains("the medium of each camera ray is determined at its origin"));
     let full = film_with(&scene, full(), 0);

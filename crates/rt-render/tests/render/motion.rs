@@ -4,10 +4,10 @@ use rt_camera::{Projection, SamplerKind};
 use rt_image::Image;
 use rt_math::{AnimatedTransform, DVec3, Rgb, Transform};
 use rt_render::{PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
-use rt_shading::{Background, ColorTexture, Material, Phong};
+use rt_scene_io::{AdaptiveSampling, Integrator, RenderSettings, Scene};
+use rt_shading::{Background, ColorTexture, Phong};
 
-use crate::support::{compile, everything, film, film_with, full, sphere, spheres};
+use crate::support::{compile, cuboid, everything, film, film_with, full, glowing, node, node_at, sphere, spheres};
 
 fn shift(x: f64, y: f64, z: f64) -> Transform {
     Transform::translate(DVec3::new(x, y, z))
@@ -132,8 +132,7 @@ fn caustics_in_motion_are_means_of_static_images() {
     scene.appearance.lights.truncate(1);
     scene.nodes.truncate(1);
     let fly = |x: f64, material| {
-        let mut moving_sphere = SceneNode::new(sphere(0.0, 0.0, 0.0, 0.7), MaterialId(material));
-        moving_sphere.parent_from_local = shift(x, 0.6, 0.0);
+        let mut moving_sphere = node_at(sphere(0.0, 0.0, 0.0, 0.7), material, shift(x, 0.6, 0.0));
         moving_sphere.moves_to = Some(shift(x + 1.5, 0.6, 1.0));
         moving_sphere
     };
@@ -157,7 +156,7 @@ fn camera_rays_start_in_the_medium_of_their_time() {
     let mut scene = everything();
     scene.groups.clear();
     scene.nodes.truncate(1);
-    scene.nodes.push(SceneNode::new(sphere(0.0, 0.0, 0.0, 2.0), MaterialId(3)));
+    scene.nodes.push(node(sphere(0.0, 0.0, 0.0, 2.0), 3));
     scene.cameras[0].settings.world_from_camera = shift(0.0, 0.0, 0.5);
     scene.settings.spp = 16;
     let mut camera_moves = scene.clone();
@@ -194,8 +193,7 @@ fn objects_that_cross_the_view_are_not_culled() {
         .map(|i| {
             let unit = |k| 2.0 * rt_math::random::unit(rt_math::random::hash(&[i, k])) - 1.0;
             let place = DVec3::new(unit(0), unit(1), unit(2)) * 20.0;
-            let mut node = SceneNode::new(sphere(0.0, 0.0, 0.0, 0.5), MaterialId(0));
-            node.parent_from_local = Transform::translate(place);
+            let mut node = node_at(sphere(0.0, 0.0, 0.0, 0.5), 0, Transform::translate(place));
             let turn = Transform::rotate(DVec3::new(unit(3), unit(4), unit(5)), 2.0).expect("an axis");
             node.moves_to =
                 Some(Transform::translate(place + DVec3::new(unit(6), unit(7), unit(8)) * 4.0).compose(&turn));
@@ -235,11 +233,8 @@ fn coverage_by_a_moving_sphere_is_proportional_to_its_chords() {
     (scene.settings.spp, scene.settings.pattern) = (4096, SamplerKind::Sobol);
     scene.appearance.lights.clear();
     scene.appearance.background = Background::Constant(Rgb::BLACK);
-    let dark = Phong { diffuse: ColorTexture::ZERO, ..Phong::default() };
-    let white = ColorTexture::Constant(Rgb::WHITE);
-    scene.appearance.materials[0] = Material { emission: white, ..Material::new("white".into(), dark) };
-    let mut moving_sphere = SceneNode::new(sphere(0.0, 0.0, 0.0, radius), MaterialId(0));
-    moving_sphere.parent_from_local = shift(-0.5 * way, 0.0, 0.0);
+    scene.appearance.materials[0] = glowing(Rgb::WHITE);
+    let mut moving_sphere = node_at(sphere(0.0, 0.0, 0.0, radius), 0, shift(-0.5 * way, 0.0, 0.0));
     moving_sphere.moves_to = Some(shift(0.5 * way, 0.0, 0.0));
     scene.nodes = vec![moving_sphere];
     for (shutter, open_share) in [([0.0, 1.0], 1.0), ([0.25, 0.75], 0.5)] {
@@ -276,8 +271,7 @@ fn reflected_rays_do_not_hit_their_origin() {
     scene.settings.depth = 1;
     let squash = Transform::scale(DVec3::new(1.5, 0.4, 0.9)).expect("regular");
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 2.5).expect("an axis");
-    let mut egg = SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
-    egg.parent_from_local = squash;
+    let mut egg = node_at(sphere(0.0, 0.0, 0.0, 1.0), 0, squash);
     egg.moves_to = Some(shift(0.5, 0.5, 0.0).compose(&turn).compose(&squash));
     scene.nodes = vec![egg];
     assert!(film(&scene).pixels().iter().all(|pixel| *pixel == [1.0; 3]), "all is as white as the sky");
@@ -318,9 +312,7 @@ fn animated_lights_are_found_by_rays() {
     emissive_material.model = Phong::default().into();
     scene.appearance.materials.push(emissive_material);
     // An infinite ceiling covers the same points at all times: its light is that of a static one.
-    let wide = rt_geometry::Cuboid::new(DVec3::new(-40.0, 4.0, -40.0), DVec3::new(40.0, 5.0, 40.0)).expect("a box");
-    let light = Content::Shape(rt_geometry::Shape::Cuboid(wide));
-    scene.nodes.push(SceneNode::new(light, MaterialId(1)));
+    scene.nodes.push(node(cuboid([-40.0, 4.0, -40.0], [40.0, 5.0, 40.0]), 1));
     let mean = |scene: &Scene| {
         let film = film(scene);
         film.pixels().iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / film.pixels().len() as f64

@@ -4,10 +4,10 @@ use rt_camera::{CameraSettings, Projection};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, transcendental::exp};
 use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
-use rt_scene_io::{Content, MaterialId, Scene, SceneNode};
+use rt_scene_io::{MaterialId, Scene};
 use rt_shading::{Bitmap, ColorTexture, InteriorMedium, Material, Phong, Texture, TextureId, Transmission, Wrap};
 
-use crate::support::{compile, cuboid, everything, film, film_with, point_light, render, sphere, spheres};
+use crate::support::{compile, cuboid, everything, film, film_with, node, point_light, render, sphere, spheres};
 
 /// Asserts that images are bit-identical; reports the first difference only.
 fn assert_same(a: &Image, b: &Image, what: &str) {
@@ -33,12 +33,11 @@ pub(crate) fn drink() -> Scene {
     let first = scene.appearance.materials.len() as u32;
     let bodies = [(1.5, 0.2, 0), (1.33, 0.4, 1), (1.31, 0.0, 2), (1.0, 0.0, 3)];
     scene.appearance.materials.extend(bodies.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
-    let node = |content: Content, body: u32| SceneNode::new(content, MaterialId(first + body));
     scene.nodes.extend([
-        node(cuboid([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), 0),
-        node(cuboid([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), 1),
-        node(sphere(0.2, 0.7, 3.0, 0.5), 2),
-        node(sphere(-0.5, -0.4, 3.0, 0.3), 3),
+        node(cuboid([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), first),
+        node(cuboid([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), first + 1),
+        node(sphere(0.2, 0.7, 3.0, 0.5), first + 2),
+        node(sphere(-0.5, -0.4, 3.0, 0.3), first + 3),
     ]);
     scene
 }
@@ -48,13 +47,13 @@ fn dielectrics_of_ior_one_do_not_change_the_image() {
     for (mut scene, transparent) in [(spheres(), false), (everything(), false), (spheres(), true)] {
         let options = PlanOptions { transparent, ..PlanOptions::default() };
         let without = film_with(&scene, options, 0);
-        let air = MaterialId(scene.appearance.materials.len() as u32);
+        let air = scene.appearance.materials.len() as u32;
         // Glass has priority where both overlap.
         scene.appearance.materials.push(dielectric(1.0, 0.0, -1));
         // In front of, between and above the objects, between light and objects, and around the camera.
-        scene.nodes.insert(0, SceneNode::new(sphere(0.3, 0.6, 2.5, 1.2), air));
-        scene.nodes.push(SceneNode::new(sphere(3.0, 5.0, 4.0, 2.0), air));
-        scene.nodes.push(SceneNode::new(sphere(1.0, 3.0, 9.0, 0.5), air));
+        scene.nodes.insert(0, node(sphere(0.3, 0.6, 2.5, 1.2), air));
+        scene.nodes.push(node(sphere(3.0, 5.0, 4.0, 2.0), air));
+        scene.nodes.push(node(sphere(1.0, 3.0, 9.0, 0.5), air));
         assert_same(&without, &film_with(&scene, options, 0), &scene.name);
     }
 }
@@ -62,15 +61,15 @@ fn dielectrics_of_ior_one_do_not_change_the_image() {
 #[test]
 fn nested_dielectrics_of_equal_ior_and_absorption_act_as_one() {
     let mut scene = spheres();
-    let glass = MaterialId(scene.appearance.materials.len() as u32);
-    let same = MaterialId(glass.0 + 1);
+    let glass = scene.appearance.materials.len() as u32;
+    let same = glass + 1;
     scene.appearance.materials.extend([dielectric(1.5, 0.3, 0), dielectric(1.5, 0.3, 0)]);
-    scene.nodes.push(SceneNode::new(cuboid([-2.0, -1.0, 2.0], [2.0, 1.0, 4.0]), glass));
+    scene.nodes.push(node(cuboid([-2.0, -1.0, 2.0], [2.0, 1.0, 4.0]), glass));
     let one = film(&scene);
     scene.nodes.extend([
-        SceneNode::new(sphere(-0.4, 0.1, 3.0, 0.8), same),
-        SceneNode::new(sphere(0.3, -0.2, 2.8, 0.7), glass),
-        SceneNode::new(cuboid([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
+        node(sphere(-0.4, 0.1, 3.0, 0.8), same),
+        node(sphere(0.3, -0.2, 2.8, 0.7), glass),
+        node(cuboid([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
     ]);
     let several = render(&scene, PlanOptions::default(), RunOptions::default());
     assert!(several.statistics.shading.passages > 1000);
@@ -82,7 +81,7 @@ fn in_smoke(projection: Projection) -> Scene {
     let mut scene = spheres();
     scene.appearance.materials = vec![dielectric(1.0, 0.5, 0)];
     scene.cameras[0].settings = CameraSettings::new(Transform::translate(DVec3::new(0.0, 0.0, 0.5)), projection);
-    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.5, 2.0), MaterialId(0))];
+    scene.nodes = vec![node(sphere(0.0, 0.0, 0.5, 2.0), 0)];
     scene
 }
 
@@ -105,7 +104,7 @@ fn camera_rays_start_in_the_surrounding_medium() {
     for projection in [spheres().cameras[0].settings.projection, Projection::Orthographic { height: 1.0 }] {
         let mut scene = in_smoke(projection);
         scene.appearance.materials = vec![dielectric(1.5, 0.2, 0), dielectric(1.0, 0.0, 1)];
-        scene.nodes.push(SceneNode::new(sphere(0.1, 0.0, -0.5, 0.3), MaterialId(1)));
+        scene.nodes.push(node(sphere(0.1, 0.0, -0.5, 0.3), 1));
         let found = film(&scene);
         scene.cameras[0].medium = Some(MaterialId(0));
         assert_same(&found, &film(&scene), "found and named");
@@ -126,8 +125,8 @@ fn each_orthographic_ray_starts_in_its_own_medium() {
     scene.settings.pattern = rt_camera::SamplerKind::Centre;
     scene.settings.spp = 1;
     scene.nodes = vec![
-        SceneNode::new(cuboid([-9.0, -9.0, -0.5], [0.0, 9.0, 1.0]), MaterialId(0)),
-        SceneNode::new(cuboid([-9.0, -9.0, -2.5], [9.0, 9.0, -1.5]), MaterialId(0)),
+        node(cuboid([-9.0, -9.0, -0.5], [0.0, 9.0, 1.0]), 0),
+        node(cuboid([-9.0, -9.0, -2.5], [9.0, 9.0, -1.5]), 0),
     ];
     let film = film(&scene);
     for (i, pixel) in film.pixels().iter().enumerate() {
@@ -173,7 +172,7 @@ fn each_sample_of_a_nan_texel_is_counted() {
     scene.appearance.materials = vec![Material { emission, ..Material::new("screen".into(), Phong::BLACK) }];
     scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
     // The face of the box towards the camera shows the whole image.
-    scene.nodes = vec![SceneNode::new(cuboid([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), MaterialId(0))];
+    scene.nodes = vec![node(cuboid([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), 0)];
     let rendering = render(&scene, PlanOptions::default(), RunOptions::default());
     assert_eq!(rendering.statistics.bad_samples, 16 * 16 * 4);
     let black = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.0; 3]).count();

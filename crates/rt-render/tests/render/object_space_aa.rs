@@ -1,17 +1,17 @@
 //! Adaptive sampling in object space: it misses no edge, and its pixels are those of fixed sampling.
 
 use rt_camera::{CameraSettings, FilmSettings, Filter, Lens, Projection, SamplerKind};
-use rt_geometry::{Cuboid, Plane, Rectangle, Shape};
+use rt_geometry::{Rectangle, Shape};
 use rt_math::{
     DVec3, Rgb, Transform,
     random::{hash, unit},
     transcendental::hypot,
 };
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, Rendering, RunOptions, SampleRange, StopRule};
-use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
+use rt_scene_io::{Accel, AdaptiveSampling, Content, Integrator, RenderSettings, Scene, SceneNode};
 use rt_shading::{Appearance, Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Material, Phong};
 
-use crate::support::{self, compile, everything, full, scene, sphere, spheres};
+use crate::support::{self, compile, cuboid, everything, full, glowing, node, node_at, plane, scene, sphere, spheres};
 
 const MIN_SPP: u32 = 4;
 const ALL: u32 = 16;
@@ -46,11 +46,6 @@ fn colour(value: Rgb) -> ColorTexture {
     ColorTexture::Constant(value)
 }
 
-/// Emissive material: its colour is independent of lights.
-fn glowing(colour: Rgb) -> Material {
-    Material { emission: self::colour(colour), ..Material::new("glow".into(), Phong::BLACK) }
-}
-
 fn matte() -> Material {
     Material::new("matte".into(), Phong { ambient: colour(Rgb::WHITE), ..Phong::default() })
 }
@@ -74,14 +69,13 @@ fn front_view(nodes: Vec<SceneNode>, materials: Vec<Material>, lights: Vec<Delta
 }
 
 fn wall() -> SceneNode {
-    let wall = Plane::new(DVec3::ZERO, DVec3::Z).expect("a plane");
-    SceneNode::new(Content::Shape(Shape::Plane(wall)), MaterialId(0))
+    node(plane(DVec3::ZERO, DVec3::Z), 0)
 }
 
 #[test]
 fn the_smallest_objects_are_found() {
     // A twentieth of a pixel wide, in pixel (13, 40 − 1 − 7).
-    let speck = || SceneNode::new(sphere(13.61, 7.58, 5.0, 0.025), MaterialId(1));
+    let speck = || node(sphere(13.61, 7.58, 5.0, 0.025), 1);
     let materials = || vec![matte(), glowing(Rgb::WHITE)];
     let before_nothing = front_view(vec![speck()], materials(), vec![]);
     let before_a_wall = front_view(vec![wall(), speck()], materials(), vec![sun(DVec3::NEG_Z)]);
@@ -97,7 +91,7 @@ fn the_smallest_objects_are_found() {
 #[test]
 fn shadow_edges_take_all_samples_and_umbrae_the_minimum() {
     // The sun is behind the camera, and so is the sphere that casts the shadow.
-    let sphere_node = SceneNode::new(sphere(20.0, 20.0, 300.0, 7.3), MaterialId(1));
+    let sphere_node = node(sphere(20.0, 20.0, 300.0, 7.3), 1);
     let scene = front_view(vec![wall(), sphere_node], vec![matte(), glowing(Rgb::WHITE)], vec![sun(DVec3::NEG_Z)]);
     let is_cut = |[column, row]: [usize; 2]| {
         let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| hypot(column as f64 + x - 20.0, row as f64 + y - 20.0)));
@@ -117,12 +111,8 @@ fn occluded_objects_do_not_add_samples_and_visible_ones_do() {
     let rectangle = Rectangle::new(10.0, 10.0).expect("a rectangle");
     let upright = Transform::translate(DVec3::new(20.0, 20.0, 10.0))
         .compose(&Transform::rotate(DVec3::X, core::f64::consts::FRAC_PI_2).expect("an axis"));
-    let shield = SceneNode {
-        parent_from_local: upright,
-        ..SceneNode::new(Content::Shape(Shape::Rectangle(rectangle)), MaterialId(2))
-    };
-    let block = Cuboid::new(DVec3::new(18.3, 18.3, 2.0), DVec3::new(21.7, 21.7, 9.0)).expect("a box");
-    let block = SceneNode::new(Content::Shape(Shape::Cuboid(block)), MaterialId(1));
+    let shield = node_at(Content::Shape(Shape::Rectangle(rectangle)), 2, upright);
+    let block = node(cuboid([18.3, 18.3, 2.0], [21.7, 21.7, 9.0]), 1);
     let materials = vec![matte(), glowing(Rgb::WHITE), glowing(Rgb::gray(0.5))];
     let of = |nodes: Vec<SceneNode>| complex(&render(&adaptive(&front_view(nodes, materials.clone(), vec![]))));
     // The edges of the shield lie between pixels; pyramids extend slightly beyond their pixels.
@@ -138,19 +128,17 @@ fn occluded_objects_do_not_add_samples_and_visible_ones_do() {
 fn clutter(seed: u64, light: DeltaLight) -> Scene {
     let draw = |index: u64, what: u64| unit(hash(&[seed, index, what]));
     let place = |index| DVec3::new(8.0 * draw(index, 0) - 4.0, 2.0 * draw(index, 1), 8.0 * draw(index, 2) - 6.0);
-    let floor = Plane::new(DVec3::new(0.0, -0.5, 0.0), DVec3::Y).expect("a plane");
-    let mut nodes = vec![SceneNode::new(Content::Shape(Shape::Plane(floor)), MaterialId(0))];
+    let mut nodes = vec![node(plane(DVec3::new(0.0, -0.5, 0.0), DVec3::Y), 0)];
     nodes.extend((0..12).map(|index| {
         let size = 0.02 + 0.8 * draw(index, 3) * draw(index, 4);
         let content = if index % 3 == 0 {
             let half = DVec3::new(size, size * draw(index, 5), size);
-            let solid = Cuboid::new(place(index) - half, place(index) + half);
-            Content::Shape(Shape::Cuboid(solid.expect("a box")))
+            cuboid(place(index) - half, place(index) + half)
         } else {
             let DVec3 { x, y, z } = place(index);
             sphere(x, y, z, size)
         };
-        SceneNode::new(content, MaterialId(index as u32 + 1))
+        node(content, index as u32 + 1)
     }));
     let mut materials = vec![matte()];
     materials.extend((0..12).map(|index| glowing(Rgb::new(draw(index, 6), draw(index, 7), draw(index, 8)))));
@@ -274,7 +262,7 @@ fn specular_surfaces_take_all_samples() {
 fn a_highlight_takes_all_samples_where_it_is_narrow() {
     let shiny = |exponent| {
         let phong = Phong { specular: colour(Rgb::WHITE), exponent, ..Phong::default() };
-        let sphere_node = SceneNode::new(sphere(20.0, 20.0, 0.0, 15.0), MaterialId(0));
+        let sphere_node = node(sphere(20.0, 20.0, 0.0, 15.0), 0);
         let scene = front_view(vec![sphere_node], vec![Material::new("shiny".into(), phong)], vec![sun(DVec3::NEG_Z)]);
         complex(&render(&adaptive(&scene)))
     };

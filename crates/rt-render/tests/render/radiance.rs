@@ -1,12 +1,12 @@
 //! Images with pixels in closed form.
 
-use rt_geometry::{Cuboid, MeshData, Plane, Shape, Sphere, Triangle, TriangleMesh};
+use rt_geometry::{MeshData, Shape, Triangle};
 use rt_math::{DVec2, DVec3, Rgb, Transform, Vec3};
 use rt_render::{PlanOptions, Precision, RunOptions};
-use rt_scene_io::{Content, Integrator, MaterialId, MeshId, NamedMesh, Scene, SceneNode};
+use rt_scene_io::{Content, Integrator, MaterialId, MeshId, NamedMesh, Scene};
 use rt_shading::{Alpha, AlphaMode, Background, ColorTexture, InteriorMedium, Material, Phong, Transmission};
 
-use crate::support::{camera, compile_with, film, node, point_light, scene};
+use crate::support::{camera, compile_with, cuboid, film, mesh, node, plane, point_light, scene, sphere};
 
 /// A white diffuse scene under one light at (0, 4, 0) of strength 1, seen straight from above.
 fn from_above(content: Content) -> Scene {
@@ -31,46 +31,45 @@ fn assert_lit_floor(scene: &Scene) {
     }
 }
 
+/// Two triangles at a height.
+fn square(height: f32) -> NamedMesh {
+    let positions = [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)].map(|(x, z)| Vec3::new(x, height, z)).to_vec();
+    mesh("square", MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() })
+}
+
 #[test]
 fn a_floor_at_height_zero_does_not_shadow_itself() {
     let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
-    let floor = Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane");
-    let slab = Cuboid::new(DVec3::new(-9.0, -1.0, -9.0), DVec3::new(9.0, 0.0, 9.0)).expect("a box");
-    let sheet = Cuboid::new(corner(-9.0, -9.0), corner(9.0, 9.0)).expect("a flat box");
+    let (slab, sheet) = (cuboid([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0]), cuboid(corner(-9.0, -9.0), corner(9.0, 9.0)));
     let triangle = Triangle::new([corner(-99.0, 9.0), corner(99.0, 9.0), corner(0.0, -99.0)]).expect("a triangle");
-    for shape in [Shape::Plane(floor), Shape::Cuboid(slab), Shape::Cuboid(sheet), Shape::Triangle(triangle)] {
-        assert_lit_floor(&from_above(Content::Shape(shape.clone())));
-        let mut turned = from_above(Content::Shape(shape));
+    for floor in [plane(DVec3::ZERO, DVec3::Y), slab, sheet, Content::Shape(Shape::Triangle(triangle))] {
+        assert_lit_floor(&from_above(floor.clone()));
+        let mut turned = from_above(floor);
         turned.nodes[0].parent_from_local = Transform::rotate(DVec3::Y, 0.3).expect("an axis");
         assert_lit_floor(&turned);
     }
-    let positions = [(-9, 9), (9, 9), (9, -9), (-9, -9)].map(|(x, z)| Vec3::new(x as f32, 0.0, z as f32)).to_vec();
-    let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() };
     let mut scene = from_above(Content::Mesh(MeshId(0)));
-    scene.meshes = vec![NamedMesh { name: "quad".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
+    scene.meshes = vec![square(0.0)];
     assert_lit_floor(&scene);
 }
 
 #[test]
 fn the_inside_of_a_sphere_is_lit_uniformly() {
     // Light from the centre of a sphere has normal incidence: radiance is 1 in every pixel.
-    let sphere = Sphere::new(DVec3::Y * 4.0, 30.0).expect("a sphere");
-    let scene = from_above(Content::Shape(Shape::Sphere(sphere)));
+    let scene = from_above(sphere(0.0, 4.0, 0.0, 30.0));
     assert!(film(&scene).pixels().iter().flatten().all(|c| (c - 1.0).abs() < 1e-6));
 }
 
 #[test]
 fn whitted_absorbed_no_light_on_the_way_from_a_light() {
-    let floor = Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane");
-    let enclosure = Cuboid::new(DVec3::splat(-20.0), DVec3::splat(20.0)).expect("a box");
-    let mut scene = from_above(Content::Shape(Shape::Plane(floor)));
+    let mut scene = from_above(plane(DVec3::ZERO, DVec3::Y));
     scene.settings.depth = 0;
     let absorption = Rgb::new(0.1, 0.2, 0.4);
     let clear = Transmission { coefficient: ColorTexture::Constant(Rgb::WHITE), fresnel: true };
     let glass = Material::new("glass".into(), Phong { transmission: Some(clear), ..Phong::BLACK });
     let interior = Some(InteriorMedium { absorption, ..InteriorMedium::clear(1.5) });
     scene.appearance.materials.push(Material { interior, ..glass });
-    scene.nodes.push(SceneNode::new(Content::Shape(Shape::Cuboid(enclosure)), MaterialId(1)));
+    scene.nodes.push(node(cuboid([-20.0; 3], [20.0; 3]), 1));
     scene.cameras[0].medium = Some(MaterialId(1));
     let half = rt_math::transcendental::tan(0.4);
     for (integrator, precision) in [
@@ -96,12 +95,6 @@ fn whitted_absorbed_no_light_on_the_way_from_a_light() {
 #[test]
 fn blended_layers_of_several_meshes_shared_one_random_number() {
     let layers = [(0.5, 0.0), (0.3, -0.5), (0.7, -1.0)];
-    let square = |height: f32| {
-        let positions =
-            [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)].map(|(x, z)| Vec3::new(x, height, z)).to_vec();
-        let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshData::default() };
-        NamedMesh { name: "square".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }
-    };
     let black = |factor| {
         let alpha = Alpha { mode: AlphaMode::Blend, factor, ..Alpha::OPAQUE };
         Material { alpha, ..Material::new("black".into(), Phong::BLACK) }

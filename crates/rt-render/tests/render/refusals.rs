@@ -1,12 +1,12 @@
 //! Errors of invalid scenes name the offending object.
 
 use rt_camera::Projection;
-use rt_geometry::{MeshData, TriangleMesh};
+use rt_geometry::MeshData;
 use rt_math::{DVec3, Transform, Vec3};
 use rt_render::{Crop, PlanOptions, RenderError, RenderPlan};
-use rt_scene_io::{Accel, Content, Group, GroupId, MaterialId, MeshId, NamedMesh, Scene, SceneNode};
+use rt_scene_io::{Accel, Content, Group, GroupId, MeshId, Scene, SceneNode};
 
-use crate::support::{compile, sphere, spheres};
+use crate::support::{compile, mesh, node, sphere, spheres};
 
 fn refusal(scene: &Scene, options: &PlanOptions) -> RenderError {
     RenderPlan::compile(scene, options).expect_err("the scene must be refused")
@@ -20,7 +20,7 @@ fn message(change: impl FnOnce(&mut Scene)) -> String {
 
 #[test]
 fn dangling_indices_are_named() {
-    let named = |content, material| SceneNode { name: "chair".into(), ..SceneNode::new(content, MaterialId(material)) };
+    let named = |content, material| SceneNode { name: "chair".into(), ..node(content, material) };
     for (node, what) in [
         (named(sphere(0.0, 0.0, 0.0, 1.0), 7), "material index 7"),
         (named(Content::Mesh(MeshId(3)), 0), "mesh index 3"),
@@ -33,7 +33,7 @@ fn dangling_indices_are_named() {
 
 #[test]
 fn groups_that_contain_themselves_are_refused() {
-    let instance = || SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0));
+    let instance = || node(Content::Instance(GroupId(0)), 0);
     let message = message(|scene| {
         scene.groups.push(Group { name: "ouroboros".into(), nodes: vec![instance()] });
         scene.nodes.push(instance());
@@ -44,11 +44,9 @@ fn groups_that_contain_themselves_are_refused() {
 #[test]
 fn trees_that_are_too_deep_are_refused() {
     let message = message(|scene| {
-        let mut node = SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0));
-        for _ in 0..2000 {
-            node = SceneNode { children: vec![node], ..SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) };
-        }
-        scene.nodes.push(node);
+        let ball = || node(sphere(0.0, 0.0, 0.0, 1.0), 0);
+        let tree = (0..2000).fold(ball(), |inner, _| SceneNode { children: vec![inner], ..ball() });
+        scene.nodes.push(tree);
     });
     assert!(message.contains("1024"), "{message}");
 }
@@ -56,9 +54,9 @@ fn trees_that_are_too_deep_are_refused() {
 /// `length` groups, each with an instance of the next: a recursion would overflow the stack of a thread.
 fn chain_of_groups(length: u32) -> Scene {
     let mut scene = spheres();
-    let instance = |id: u32| SceneNode::new(Content::Instance(GroupId(id)), MaterialId(0));
+    let instance = |id: u32| node(Content::Instance(GroupId(id)), 0);
     let inner = |id: u32| {
-        if id + 1 < length { instance(id + 1) } else { SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0)) }
+        if id + 1 < length { instance(id + 1) } else { node(sphere(0.0, 0.0, 0.0, 1.0), 0) }
     };
     scene.groups = (0..length).map(|id| Group { name: format!("group {id}"), nodes: vec![inner(id)] }).collect();
     scene.nodes = vec![instance(0), instance(0)];
@@ -86,12 +84,12 @@ fn a_forest_of_more_triangles_than_32_bits_can_number_is_accepted() {
     };
     let mut scene = spheres();
     scene.settings.accel = Accel::Linear;
-    scene.meshes = vec![NamedMesh { name: "tree".into(), mesh: TriangleMesh::build(data).expect("a mesh").0.into() }];
-    scene.nodes = vec![SceneNode::new(Content::Mesh(MeshId(0)), MaterialId(0)); TRIANGLES + 1];
+    scene.meshes = vec![mesh("tree", data)];
+    scene.nodes = vec![node(Content::Mesh(MeshId(0)), 0); TRIANGLES + 1];
     compile(&scene);
     // Within a group that is placed twice, each triangle needs its own index.
     scene.groups = vec![Group { name: "forest".into(), nodes: std::mem::take(&mut scene.nodes) }];
-    scene.nodes = vec![SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0)); 2];
+    scene.nodes = vec![node(Content::Instance(GroupId(0)), 0); 2];
     assert!(matches!(refusal(&scene, &PlanOptions::default()), RenderError::TooManyObjects));
 }
 
@@ -123,14 +121,12 @@ fn unusable_settings_are_refused() {
 #[test]
 fn groups_that_multiply_beyond_memory_are_refused_at_once() {
     let message = message(|scene| {
-        scene
-            .groups
-            .push(Group { name: "0".into(), nodes: vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 1.0), MaterialId(0))] });
+        scene.groups.push(Group { name: "0".into(), nodes: vec![node(sphere(0.0, 0.0, 0.0, 1.0), 0)] });
         for level in 1..60 {
-            let inner = SceneNode::new(Content::Instance(GroupId(level - 1)), MaterialId(0));
+            let inner = node(Content::Instance(GroupId(level - 1)), 0);
             scene.groups.push(Group { name: level.to_string(), nodes: vec![inner.clone(), inner] });
         }
-        let outer = SceneNode::new(Content::Instance(GroupId(59)), MaterialId(0));
+        let outer = node(Content::Instance(GroupId(59)), 0);
         scene.nodes = vec![outer.clone(), outer];
     });
     assert!(message.contains(&(1u64 << 59).to_string()), "{message}");

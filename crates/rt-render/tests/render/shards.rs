@@ -8,9 +8,9 @@ use rt_render::{
     Checkpoint, MergeError, PlanOptions, RenderError, RenderPlan, RenderSnapshot, Rendering, RunOptions, Shard,
     ShardSpec, StopRule, Stopped, TargetError,
 };
-use rt_scene_io::{AdaptiveSampling, Integrator, MaterialId, Scene, SceneNode};
+use rt_scene_io::{AdaptiveSampling, Integrator, Scene};
 
-use crate::support::{OnTile, compile, compile_with, everything, interrupted, sphere, spheres};
+use crate::support::{OnTile, compile, compile_with, everything, interrupted, node, sphere, spheres};
 
 /// Mode of rendering: a scene and a stop rule.
 struct Mode {
@@ -183,7 +183,7 @@ fn join_errors_name_the_part() {
 fn an_interrupt_does_not_wait_for_tiles_of_many_samples() {
     let mut scene = spheres();
     // It covers the image, so that no tile is empty.
-    scene.nodes = vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 6.0), MaterialId(0))];
+    scene.nodes = vec![node(sphere(0.0, 0.0, 0.0, 6.0), 0)];
     scene.settings.spp = 1 << 30;
     let plan = compile(&scene);
     let interrupt = AtomicBool::new(false);

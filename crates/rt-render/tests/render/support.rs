@@ -99,11 +99,23 @@ pub(crate) fn node(content: Content, material: u32) -> SceneNode {
     SceneNode::new(content, MaterialId(material))
 }
 
+pub(crate) fn node_at(content: Content, material: u32, parent_from_local: Transform) -> SceneNode {
+    SceneNode { parent_from_local, ..node(content, material) }
+}
+
+pub(crate) fn mesh(name: &str, data: MeshData) -> NamedMesh {
+    NamedMesh { name: name.into(), mesh: Arc::new(TriangleMesh::build(data).expect("a mesh").0) }
+}
+
 pub(crate) fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Content {
     Content::Shape(Shape::Sphere(Sphere::new(DVec3::new(x, y, z), radius).expect("a sphere")))
 }
 
-pub(crate) fn cuboid(min: [f64; 3], max: [f64; 3]) -> Content {
+pub(crate) fn plane(point: DVec3, normal: DVec3) -> Content {
+    Content::Shape(Shape::Plane(Plane::new(point, normal).expect("a plane")))
+}
+
+pub(crate) fn cuboid(min: impl Into<DVec3>, max: impl Into<DVec3>) -> Content {
     Content::Shape(Shape::Cuboid(Cuboid::new(min.into(), max.into()).expect("a box")))
 }
 
@@ -114,6 +126,11 @@ pub(crate) fn point_light(position: [f64; 3], strength: f64) -> DeltaLight {
 
 fn material(name: &str, phong: Phong) -> Material {
     Material::new(name.into(), phong)
+}
+
+/// Emissive material that reflects nothing.
+pub(crate) fn glowing(radiance: Rgb) -> Material {
+    Material { emission: ColorTexture::Constant(radiance), ..material("glow", Phong::BLACK) }
 }
 
 fn gray(value: f64) -> ColorTexture {
@@ -150,23 +167,16 @@ pub(crate) fn diffuse_shapes() -> Scene {
     let mut smooth = MeshData { positions: positions.clone(), triangles: triangles.clone(), ..MeshData::default() };
     smooth.smooth_normals();
     let twice = MeshData { positions, triangles: triangles.repeat(2), ..MeshData::default() };
-    let meshes = [("twice", twice), ("smooth", smooth)];
-    scene.meshes = meshes
-        .map(|(name, data)| NamedMesh {
-            name: name.into(),
-            mesh: Arc::new(TriangleMesh::build(data).expect("a mesh").0),
-        })
-        .into();
+    scene.meshes = vec![mesh("twice", twice), mesh("smooth", smooth)];
     let corners = [[-1.0, 3.0, 0.0], [1.0, 3.0, 0.0], [1.0, 3.0, 1.5], [-1.0, 3.0, 1.5]].map(DVec3::from_array);
     let outline = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::Convex).expect("a polygon");
-    let floor = Plane::new(DVec3::NEG_Y * 1.5, DVec3::Y).expect("a plane");
     let mut smooth = node(Content::Mesh(MeshId(1)), 1);
     smooth.casts_shadow = false;
     scene.nodes = vec![
         node(Content::Mesh(MeshId(0)), 0),
         smooth,
         node(Content::Shape(Shape::Polygon(Arc::new(outline))), 2),
-        node(Content::Shape(Shape::Plane(floor)), 0),
+        node(plane(DVec3::NEG_Y * 1.5, DVec3::Y), 0),
         node(sphere(-0.8, -0.6, 1.0, 0.8), 1),
         node(sphere(1.2, -0.9, 1.5, 0.5), 0),
     ];
@@ -175,7 +185,7 @@ pub(crate) fn diffuse_shapes() -> Scene {
 }
 
 /// A bumpy sheet of 2·8² triangles over [−1, 1]², smooth and textured: too many to be inlined, and few for brute force.
-fn sheet() -> TriangleMesh {
+fn sheet() -> MeshData {
     const N: u32 = 8;
     let mut data = MeshData::default();
     for j in 0..=N {
@@ -194,7 +204,7 @@ fn sheet() -> TriangleMesh {
         }
     }
     data.smooth_normals();
-    TriangleMesh::build(data).expect("a mesh").0
+    data
 }
 
 /// Scene with all features of the renderer.
@@ -245,45 +255,43 @@ pub(crate) fn everything() -> Scene {
             Rgb::gray(4.0),
         )
     });
-    scene.meshes = vec![NamedMesh { name: "sheet".into(), mesh: Arc::new(sheet()) }];
+    scene.meshes = vec![mesh("sheet", sheet())];
 
-    let at = |content: Content, material: u32, transform: Transform| SceneNode {
-        parent_from_local: transform,
-        ..node(content, material)
-    };
     let moved = |x: f64, y: f64, z: f64| Transform::translate(DVec3::new(x, y, z));
     let turn = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 0.8).expect("an axis");
     let stretch = Transform::scale(DVec3::new(1.5, 0.6, -0.8)).expect("regular");
     let unit_box = || cuboid([-0.5; 3], [0.5; 3]);
     let triangle = Triangle::new([DVec3::ZERO, DVec3::X, DVec3::Y]).expect("a triangle");
-    let floor = Plane::new(DVec3::NEG_Y, DVec3::Y).expect("a plane");
     let small = Transform::scale(DVec3::splat(0.3)).expect("regular");
     scene.groups = vec![
         Group {
             name: "pair".into(),
-            nodes: vec![node(sphere(0.0, 0.0, 0.0, 1.0), 2), at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.0, 0.0))],
+            nodes: vec![
+                node(sphere(0.0, 0.0, 0.0, 1.0), 2),
+                node_at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.0, 0.0)),
+            ],
         },
         Group {
             name: "pairs".into(),
             nodes: vec![
-                at(Content::Instance(GroupId(0)), 0, moved(0.0, 0.0, -1.5)),
-                at(Content::Instance(GroupId(0)), 0, moved(2.0, 0.0, 0.0).compose(&turn)),
-                at(unit_box(), 5, turn),
+                node_at(Content::Instance(GroupId(0)), 0, moved(0.0, 0.0, -1.5)),
+                node_at(Content::Instance(GroupId(0)), 0, moved(2.0, 0.0, 0.0).compose(&turn)),
+                node_at(unit_box(), 5, turn),
             ],
         },
     ];
-    let mut shadowless = at(sphere(1.2, 0.2, 2.0, 0.4), 0, Transform::IDENTITY);
+    let mut shadowless = node(sphere(1.2, 0.2, 2.0, 0.4), 0);
     shadowless.casts_shadow = false;
     scene.nodes = vec![
-        at(Content::Shape(Shape::Plane(floor)), 1, Transform::IDENTITY),
-        at(sphere(0.0, 0.0, 0.0, 0.8), 3, moved(-1.0, 0.0, 1.0)),
-        at(sphere(0.0, 0.0, 0.0, 0.5), 4, moved(0.6, -0.4, 3.0)),
-        at(sphere(0.0, 0.0, 0.0, 0.7), 0, moved(2.5, 0.0, -1.0).compose(&turn).compose(&stretch)),
-        at(unit_box(), 2, moved(-2.5, 0.0, -1.0).compose(&turn)),
-        at(Content::Shape(Shape::Triangle(triangle)), 5, moved(0.0, 1.0, -2.0).compose(&stretch)),
-        at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.2, -1.0).compose(&turn)),
-        at(Content::Instance(GroupId(1)), 0, moved(-2.5, -0.6, 2.0).compose(&small)),
-        at(Content::Instance(GroupId(1)), 0, moved(2.0, -0.6, 2.0).compose(&turn).compose(&small)),
+        node(plane(DVec3::NEG_Y, DVec3::Y), 1),
+        node_at(sphere(0.0, 0.0, 0.0, 0.8), 3, moved(-1.0, 0.0, 1.0)),
+        node_at(sphere(0.0, 0.0, 0.0, 0.5), 4, moved(0.6, -0.4, 3.0)),
+        node_at(sphere(0.0, 0.0, 0.0, 0.7), 0, moved(2.5, 0.0, -1.0).compose(&turn).compose(&stretch)),
+        node_at(unit_box(), 2, moved(-2.5, 0.0, -1.0).compose(&turn)),
+        node_at(Content::Shape(Shape::Triangle(triangle)), 5, moved(0.0, 1.0, -2.0).compose(&stretch)),
+        node_at(Content::Mesh(MeshId(0)), 1, moved(0.0, 1.2, -1.0).compose(&turn)),
+        node_at(Content::Instance(GroupId(1)), 0, moved(-2.5, -0.6, 2.0).compose(&small)),
+        node_at(Content::Instance(GroupId(1)), 0, moved(2.0, -0.6, 2.0).compose(&turn).compose(&small)),
         shadowless,
     ];
     scene

@@ -3,10 +3,10 @@
 use rt_geometry::{Shape, Torus};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform};
-use rt_scene_io::{Content, Group, GroupId, Integrator, MaterialId, RenderSettings, Scene, SceneNode};
+use rt_scene_io::{Content, Group, GroupId, Integrator, RenderSettings, Scene, SceneNode};
 use rt_shading::{Background, ColorTexture, Texture, TextureId};
 
-use crate::support::{diffuse_shapes, film, sphere};
+use crate::support::{diffuse_shapes, film, node, node_at, sphere};
 
 /// Diffuse surfaces and one emitter, in place of the emissive polygon.
 fn lit_by(emitter: SceneNode) -> Scene {
@@ -19,8 +19,7 @@ fn lit_by(emitter: SceneNode) -> Scene {
 
 fn emitters() -> Vec<(&'static str, Scene)> {
     let above = Transform::translate(DVec3::new(0.0, 3.0, 0.5));
-    let at_rest =
-        || SceneNode { parent_from_local: above, ..SceneNode::new(sphere(0.0, 0.0, 0.0, 0.6), MaterialId(2)) };
+    let at_rest = || node_at(sphere(0.0, 0.0, 0.0, 0.6), 2, above);
     let torus = Content::Shape(Shape::Torus(Torus::new(0.5, 0.2).expect("a torus")));
     let stretched = above.compose(&Transform::scale(DVec3::new(1.0, 0.5, 1.0)).expect("regular"));
     let moving = SceneNode { moves_to: Some(Transform::translate(DVec3::new(0.5, 3.0, 0.5))), ..at_rest() };
@@ -28,12 +27,8 @@ fn emitters() -> Vec<(&'static str, Scene)> {
     textured.appearance.textures =
         vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
     textured.appearance.materials[2].emission = ColorTexture::Textured(TextureId(0), Rgb::gray(6.0));
-    let mut group = lit_by(SceneNode {
-        parent_from_local: stretched,
-        ..SceneNode::new(Content::Instance(GroupId(0)), MaterialId(0))
-    });
-    group.groups =
-        vec![Group { name: "emitters".into(), nodes: vec![SceneNode::new(sphere(0.0, 0.0, 0.0, 0.6), MaterialId(2))] }];
+    let mut group = lit_by(node_at(Content::Instance(GroupId(0)), 0, stretched));
+    group.groups = vec![Group { name: "emitters".into(), nodes: vec![node(sphere(0.0, 0.0, 0.0, 0.6), 2)] }];
     vec![
         ("torus", lit_by(SceneNode { content: Some(torus), ..at_rest() })),
         ("stretched", lit_by(SceneNode { parent_from_local: stretched, ..at_rest() })),
