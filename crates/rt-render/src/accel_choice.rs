@@ -26,12 +26,10 @@ pub(crate) struct AccelOptions {
     pub(crate) accel: Accel,
     /// Instruction set; `None` for the best one of the processor.
     pub(crate) simd: Option<SimdLevel>,
-    /// Build quality.
     pub(crate) quality: Quality,
 }
 
 impl AccelOptions {
-    /// Options of a scene and its plan.
     pub(crate) const fn new(scene: &Scene, options: &PlanOptions) -> Self {
         Self { accel: scene.settings.accel, simd: options.simd, quality: options.quality }
     }

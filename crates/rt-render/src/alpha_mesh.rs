@@ -10,7 +10,6 @@ pub(crate) struct AlphaTest {
     /// Number of the surface: no other mesh of the scene has it, nor this mesh with another material.
     surface: u64,
     alpha: Alpha,
-    /// True if back faces are culled.
     culls_back_faces: bool,
 }
 
@@ -57,7 +56,6 @@ impl AlphaTestedMesh<'_> {
     }
 }
 
-/// Hash of a ray and a triangle of a surface.
 fn hash(ray: &Ray, surface: u64, triangle: u32) -> u64 {
     let bits = |v: DVec3| v.to_array().map(f64::to_bits);
     let ([a, b, c], [d, e, f]) = (bits(ray.origin), bits(ray.direction));

@@ -81,7 +81,6 @@ pub(crate) fn check_crop(crop: Crop) -> Result<(), ContentError> {
     if fits { Ok(()) } else { Err(ContentError::Crop(crop)) }
 }
 
-/// Checks that a shard exists.
 pub(crate) fn check_shard_spec(spec: ShardSpec) -> Result<(), ContentError> {
     match ShardSpec::new(spec.index(), spec.count()) {
         Some(_) => Ok(()),
@@ -97,7 +96,6 @@ pub(crate) fn check_lost(lost: &[u32], crop: Crop) -> Result<(), ContentError> {
     }
 }
 
-/// Checks the length of a list.
 pub(crate) fn check_length(
     list: &'static str,
     of: impl FnOnce() -> String,

@@ -200,7 +200,6 @@ impl RenderPlan<'_> {
         used
     }
 
-    /// Lines on motion.
     fn motion(&self, counts: &SceneCounts) -> Vec<String> {
         let [opens, closes] = self.frame.camera.shutter();
         let mut lines = vec![format!("motion blur: each sample has its own time, from {opens} to {closes}")];

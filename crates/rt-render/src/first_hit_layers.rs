@@ -130,7 +130,6 @@ impl FilmLayers {
         self.is_fixed
     }
 
-    /// The requested layers.
     pub(crate) fn layers(&self) -> Vec<FirstHitLayer> {
         self.values.iter().map(|values| values.layer).collect()
     }

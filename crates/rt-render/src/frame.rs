@@ -133,7 +133,6 @@ impl Frame {
         Ok(frame)
     }
 
-    /// Sampler of a pass.
     pub(crate) fn pass_sampler(&self, pass: u32, spp: u32) -> PixelSampler {
         PixelSampler::new(self.sampler, spp, pass_seed(self.seed, pass))
     }

@@ -110,7 +110,6 @@ impl PassState {
         error.validate(area as u64)
     }
 
-    /// Current image.
     pub(crate) fn film(&self) -> Image {
         let Crop { width, height, .. } = self.layout.crop;
         let mut film = Image::new(width, height, self.layout.transparent);

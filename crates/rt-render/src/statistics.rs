@@ -46,7 +46,6 @@ impl Statistics {
         Self { threads, build_seconds, ..Self::default() }
     }
 
-    /// Adds the counts of a tile.
     pub(crate) fn add(&mut self, tile: &TileResult) {
         self.samples += tile.samples;
         self.camera_hits += tile.camera_hits;

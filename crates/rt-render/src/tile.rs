@@ -17,12 +17,10 @@ pub(crate) fn tile(crop: Crop, number: usize) -> Crop {
     Crop { x: crop.x + left, y: crop.y + top, width: SIDE.min(crop.width - left), height: SIDE.min(crop.height - top) }
 }
 
-/// Number of tiles of a crop.
 pub(crate) const fn tile_count(crop: Crop) -> usize {
     crop.width.div_ceil(SIDE) as usize * crop.height.div_ceil(SIDE) as usize
 }
 
-/// Index of a tile of a crop.
 pub(crate) const fn tile_number(crop: Crop, tile: Crop) -> usize {
     ((tile.y - crop.y) / SIDE) as usize * crop.width.div_ceil(SIDE) as usize + ((tile.x - crop.x) / SIDE) as usize
 }

@@ -14,11 +14,9 @@ pub(crate) struct SceneTracer<'w> {
     pub(crate) structure: &'w AnyAccelerator,
     /// Objects that camera rays are tested against.
     pub(crate) primary_target: PrimaryTarget<'w>,
-    /// Rays by kind.
     pub(crate) rays: RayCounts,
     /// Camera rays skipped because nothing is in view.
     pub(crate) skipped: u64,
-    /// Work of the accelerator.
     pub(crate) probe: WorkProbe,
     /// Layers that camera rays are added to.
     pub(crate) layers: Option<TileLayers<'w>>,
@@ -28,7 +26,6 @@ pub(crate) struct SceneTracer<'w> {
     batch: Vec<(Ray, Interval)>,
 }
 
-/// Buffers of a tracer, for hits and for the rays of a stream.
 pub(crate) type TracerBuffers = (Vec<Option<Hit>>, Vec<(Ray, Interval)>);
 
 impl<'w> SceneTracer<'w> {

@@ -23,7 +23,6 @@ pub(crate) struct HitContext<'m> {
     transmission: SurfaceTransmission,
 }
 
-/// Transmission through a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SurfaceTransmission {
     /// No light is transmitted, or the plan leaves refraction out.

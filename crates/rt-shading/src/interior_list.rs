@@ -15,7 +15,6 @@ pub(crate) struct MediumEntry {
 }
 
 impl SurfaceHit {
-    /// The hit body.
     #[inline]
     pub(crate) const fn body(&self) -> MediumEntry {
         MediumEntry { object: self.object, material: self.material }
@@ -151,7 +150,6 @@ impl InteriorList {
         }
     }
 
-    /// Medium at the point.
     pub(crate) fn medium(&self, materials: &[Material]) -> Medium {
         medium(self.top(materials), materials)
     }

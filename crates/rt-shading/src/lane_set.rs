@@ -92,7 +92,6 @@ pub(crate) trait LaneSet: Copy {
         Vector3::new(self.load_f64(x), self.load_f64(y), self.load_f64(z))
     }
 
-    /// Stores points.
     #[inline(always)]
     fn store_point(self, p: Vector3<Self::D>) -> [[f64; LANES]; 3] {
         let mut numbers = [[0.0; LANES]; 3];
@@ -103,7 +102,6 @@ pub(crate) trait LaneSet: Copy {
         numbers
     }
 
-    /// Stores vectors.
     #[inline(always)]
     fn store_vector(self, v: Vector3<Self::F>) -> [[Self::Element; LANES]; 3] {
         let mut numbers = [[Self::Element::default(); LANES]; 3];
@@ -215,7 +213,6 @@ impl Element for f64 {
     }
 }
 
-/// Sets the colour of one lane.
 #[inline(always)]
 pub(crate) fn set_color<E: Element>([r, g, b]: &mut [[E; LANES]; 3], lane: usize, color: Rgb) {
     let lane = lane % LANES;

@@ -10,7 +10,6 @@ use fearless_simd::{
 };
 use rt_math::{DVec3, Float64, Mask, Real, Vector3};
 
-/// Number of lanes.
 pub(crate) const LANES: usize = 8;
 
 /// Mask of bits with all lanes.

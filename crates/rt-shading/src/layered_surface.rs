@@ -91,7 +91,6 @@ impl LayeredSurface {
         }
     }
 
-    /// BSDF at a point.
     pub(crate) fn bsdf(&self, at: &MaterialEvalContext<'_>) -> Layered {
         let mut layers = match &self.base {
             LayeredBase::MetallicRoughness { base_color, metallic, roughness } => self.metallic_roughness(

@@ -71,7 +71,6 @@ pub struct LightTracingScene<'a> {
 pub struct LightTracingIntegrator<S> {
     /// Rays of the current wave.
     rays: LightRays,
-    /// Rays to the camera that are traced.
     to_camera: LightRayStream,
     hits: HitStream,
     paths: LightPaths<S>,

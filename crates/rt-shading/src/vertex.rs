@@ -27,7 +27,6 @@ pub(crate) fn bsdf_at(
 pub(crate) struct Vertex<'a> {
     pub(crate) view: ViewedSurface<'a>,
     pub(crate) bsdf: &'a Bsdf,
-    /// Lobes that are sampled.
     sampled: SampledLobes<'a>,
     /// Shading coordinates: z is the shading normal, on the outside.
     pub(crate) frame: Frame,
@@ -59,7 +58,6 @@ impl<'a> Vertex<'a> {
         Self { sampled: sampled.map_or(SampledLobes::Nothing, SampledLobes::Some), ..self }
     }
 
-    /// Lobes of the BSDF that are sampled.
     pub(crate) fn sampled_lobes(&self) -> Option<&Bsdf> {
         match self.sampled {
             SampledLobes::All => Some(self.bsdf),

@@ -117,12 +117,10 @@ impl PixelEstimate {
         self.coverage
     }
 
-    /// Samples taken.
     pub(crate) const fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Passes taken.
     pub(crate) const fn passes(&self) -> u32 {
         self.passes
     }

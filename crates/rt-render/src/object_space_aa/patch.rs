@@ -21,7 +21,6 @@ const MIN_HIGHLIGHT: f64 = 1.0 / 512.0;
 pub(super) struct SurfacePatch {
     pub(super) index: u32,
     form: PrimitiveForm,
-    /// Index of the material.
     material: u32,
     /// Centre of the bounding sphere.
     pub(super) centre: DVec3,

@@ -30,7 +30,6 @@ pub(super) struct LightShaft {
     shadow_near: f64,
 }
 
-/// Occlusion of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Occlusion {
     /// No segment is blocked.

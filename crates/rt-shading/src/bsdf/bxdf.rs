@@ -83,7 +83,6 @@ impl Bxdf {
         matches!(self, Self::Lambert(_) | Self::OrenNayar(_))
     }
 
-    /// The lobe, if it is diffuse.
     pub(crate) const fn as_diffuse(&self) -> Option<OrenNayar> {
         match *self {
             Self::Lambert(Lambert { albedo }) => Some(OrenNayar { albedo, roughness: 0.0 }),

@@ -107,7 +107,6 @@ pub(crate) struct MirrorBlock {
     /// Lanes with a mirror.
     pub(crate) all: u8,
     reflectance: [LaneArray; 3],
-    /// Probability of the mirror.
     probability: LaneArray,
 }
 

@@ -30,7 +30,6 @@ pub(crate) struct MetalBlock {
     /// Complex indices of refraction, by channel.
     n: [LaneArray; 3],
     k: [LaneArray; 3],
-    /// Reflectances of mirrors.
     reflectance: [LaneArray; 3],
     /// α of [`Ggx`]; 1 for delta lobes.
     alpha: LaneArray,

@@ -43,7 +43,6 @@ pub(crate) struct MetallicRoughnessBlock {
 }
 
 impl MetallicRoughnessBlock {
-    /// Sets the parameters of one lane.
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, layer: &MetallicRoughnessLayer) {
         self.metallic[lane] = layer.surface.clamped_metallic();

@@ -16,9 +16,7 @@ use split::split;
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTree {
     nodes: Vec<Node>,
-    /// Unbounded lights.
     unbounded: Vec<u32>,
-    /// Place of each light.
     places: Vec<Place>,
 }
 
@@ -171,7 +169,6 @@ impl LightTree {
         self.len() == 0
     }
 
-    /// Probability of each unbounded light.
     fn probability_of_unbounded(&self) -> f64 {
         let sharing = self.unbounded.len() + usize::from(!self.nodes.is_empty());
         1.0 / sharing.max(1) as f64

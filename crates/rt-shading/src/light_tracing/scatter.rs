@@ -18,7 +18,6 @@ use crate::{
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
-/// Vertex of a light path.
 struct LightVertex<'a> {
     vertex: Vertex<'a>,
     /// Surface with its original shading normal; a view bends it.

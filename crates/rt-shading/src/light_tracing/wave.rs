@@ -43,7 +43,6 @@ impl<S> LightPaths<S> {
     }
 }
 
-/// State of a light path.
 #[derive(Clone, Debug)]
 pub(super) struct LightPath<S> {
     pub(super) sampler: S,

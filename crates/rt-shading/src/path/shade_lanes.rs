@@ -137,7 +137,6 @@ impl<E: Element> SpawnedPaths<E> {
         }
     }
 
-    /// Adds the emission of surfaces.
     #[inline(never)]
     fn add_emission<L: LaneSet>(
         &mut self,

@@ -15,7 +15,6 @@ pub(super) struct WaveSamples {
     pub(super) direction: [StreamArray<f64>; 2],
     /// Choice of the lobe that it is sampled from.
     pub(super) lobe: StreamArray<f64>,
-    /// Russian roulette.
     pub(super) roulette: StreamArray<f64>,
     buffers: Draws,
 }

@@ -108,7 +108,6 @@ impl GatheredShapes {
     }
 }
 
-/// Sets the vector of one lane.
 #[inline(always)]
 fn set([x, y, z]: &mut [[f64; LANES]; 3], lane: usize, v: DVec3) {
     let lane = lane % LANES;

@@ -131,7 +131,6 @@ fn replaced<L: LaneSet>(lanes: L, surfaces: Surfaces<L>, mask: u8, others: Surfa
     ]
 }
 
-/// Unit normals of the triangles of a mask.
 #[inline(always)]
 fn normals_of_triangles<L: LaneSet>(lanes: L, corners: [Vector3<L::D>; 3], mask: u8) -> Vector3<L::D> {
     let (normals, is_valid) = unit_normal_lanes(corners);

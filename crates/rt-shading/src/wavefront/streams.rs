@@ -83,7 +83,6 @@ impl<E: Element> ShadowRayStream<E> {
         lanes.compress_u32(samples, mask, self.sample.vector_mut(end));
     }
 
-    /// Appends a ray with its radiance and sample.
     pub(crate) fn push_ray(&mut self, (ray, span): (Ray, Interval), sample: u32, radiance: Rgb) {
         let at = self.rays.len();
         self.sample.set(at, sample);

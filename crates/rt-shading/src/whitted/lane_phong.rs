@@ -61,7 +61,6 @@ impl LanePhongs {
         Self { are_complete: phongs.iter().all(Option::is_some), phongs }
     }
 
-    /// Model of a material.
     #[inline(always)]
     pub(super) fn get(&self, material: u32) -> Option<&LanePhong> {
         self.phongs.get(material as usize)?.as_ref()

@@ -42,7 +42,6 @@ impl<E: Element> TreeStream<E> {
         }
     }
 
-    /// Appends a ray.
     #[inline(always)]
     pub(super) fn push(&mut self, ray: &Ray, span: Interval, path: &TreePath) {
         let at = self.len();
@@ -55,13 +54,11 @@ impl<E: Element> TreeStream<E> {
         b.set(at, E::rounded(weight.b));
     }
 
-    /// Path of an index.
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> TreePath {
         TreePath { sample: self.sample.get(at), depth: self.depth.get(at), weight: self.weight(at) }
     }
 
-    /// Weight of a path.
     #[inline(always)]
     pub(super) fn weight(&self, at: usize) -> Rgb {
         let [r, g, b] = &self.weight;

@@ -18,7 +18,6 @@ pub(super) struct TreeBatch<'a> {
     pub(super) seen: &'a mut [RadianceSample],
 }
 
-/// Streams of a wave.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TreeStreams<E: Element> {
     /// Rays of the current wave, by kind.
@@ -36,7 +35,6 @@ pub(super) struct SpawnedRays<E: Element> {
     pub(super) refracted: TreeStream<E>,
     /// Shadow rays by light.
     pub(super) lights: DeltaStreams<E>,
-    /// Ray trees of the samples.
     pub(super) trees: Vec<RayTree>,
     /// Samples whose path has ended in this wave, in scenes that defer rays.
     pub(super) ended: Vec<u32>,
