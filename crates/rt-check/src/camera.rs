@@ -184,10 +184,7 @@ mod tests {
 
     #[test]
     fn distances_and_errors_are_measured() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
-        scene.cameras = vec![camera(DVec3::Z * 5.0, DVec3::ZERO)];
-        let report = crate::check(&scene);
+        let report = crate::check(&seen_from(DVec3::Z * 5.0, vec![sphere(DVec3::ZERO, 1.0)]));
         assert_eq!(report.measures.cameras.len(), 1);
         let seen = &report.measures.cameras[0];
         assert!((4.0..4.01).contains(&seen.nearest), "{seen:?}");
@@ -203,24 +200,19 @@ mod tests {
 
     #[test]
     fn a_scene_without_objects_shows_nothing() {
-        let mut scene = empty();
-        scene.cameras = vec![camera(DVec3::Z * 5.0, DVec3::ZERO)];
+        let scene = seen_from(DVec3::Z * 5.0, Vec::new());
         assert_eq!(only(&scene, Kind::CameraSeesNothing).message, "the scene has no objects");
     }
 
     #[test]
     fn a_scene_behind_the_camera_is_not_seen() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::Z * 9.0, 1.0)];
-        scene.cameras = vec![camera(DVec3::Z * 5.0, DVec3::ZERO)];
+        let scene = seen_from(DVec3::Z * 5.0, vec![sphere(DVec3::Z * 9.0, 1.0)]);
         assert_eq!(only(&scene, Kind::CameraSeesNothing).values, [value("rays", 4096.0)]);
     }
 
     #[test]
     fn a_scene_smaller_than_a_pixel_is_too_far() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
-        scene.cameras = vec![camera(DVec3::Z * 1e4, DVec3::ZERO)];
+        let scene = seen_from(DVec3::Z * 1e4, vec![sphere(DVec3::ZERO, 1.0)]);
         let finding = only(&scene, Kind::CameraFar);
         let pixel = 1e4 * 2.0 * tan(20f64.to_radians()) / 48.0;
         assert!((finding.values[1].value - 2.0 / pixel).abs() < 1e-3, "{finding:?}");
@@ -228,9 +220,7 @@ mod tests {
 
     #[test]
     fn a_telescope_into_the_void_is_too_narrow() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
-        scene.cameras = vec![camera(DVec3::Z * 5.0, DVec3::ZERO)];
+        let mut scene = seen_from(DVec3::Z * 5.0, vec![sphere(DVec3::ZERO, 1.0)]);
         let fov = 4.8e-10f64;
         if let Projection::Perspective { fov: angle, .. } = &mut scene.cameras[0].settings.projection {
             *angle = fov;
@@ -241,25 +231,19 @@ mod tests {
 
     #[test]
     fn rounding_shows_far_from_the_origin() {
-        let mut scene = empty();
         let far = DVec3::X * 1e14;
         // Render space moves a scene as a whole: objects far from the rest of it stay far.
-        scene.nodes = vec![sphere(far, 2.0), sphere(DVec3::ZERO, 2.0)];
+        let mut scene = scene_with(vec![sphere(far, 2.0), sphere(DVec3::ZERO, 2.0)]);
         scene.cameras = vec![camera(far + DVec3::Z * 8.0, far)];
-        let findings = crate::check(&scene).findings;
-        let finding = findings.iter().find(|finding| finding.kind == Kind::CameraPrecision).unwrap();
+        let finding = &of_kind(&scene, Kind::CameraPrecision)[0];
         assert!(finding.values[1].value > VISIBLE, "{finding:?}");
     }
 
     #[test]
     fn a_camera_on_a_surface_is_to_leave_it() {
-        let mut scene = empty();
         // On the floor, the rounding error is 0.
         for surface in [sphere(DVec3::ZERO, 2.0), floor(0.0)] {
-            scene.nodes = vec![surface];
-            scene.cameras = vec![camera(DVec3::Z * 2.0, DVec3::ZERO)];
-            let findings = crate::check(&scene).findings;
-            let finding = findings.iter().find(|finding| finding.kind == Kind::CameraPrecision).unwrap();
+            let finding = &of_kind(&seen_from(DVec3::Z * 2.0, vec![surface]), Kind::CameraPrecision)[0];
             assert_eq!(finding.message, "the camera lies on a surface, up to rounding");
             assert_eq!(finding.advice, "move the camera off the surface");
         }
@@ -267,8 +251,7 @@ mod tests {
 
     #[test]
     fn an_invalid_camera_is_an_error() {
-        let mut scene = empty();
-        scene.cameras = vec![camera(DVec3::Z, DVec3::ZERO)];
+        let mut scene = seen_from(DVec3::Z, Vec::new());
         if let Projection::Perspective { fov, .. } = &mut scene.cameras[0].settings.projection {
             *fov = 4.0;
         }

@@ -141,10 +141,8 @@ mod tests {
 
     /// The material `checker` emits light.
     fn scene_of(nodes: Vec<SceneNode>) -> Scene {
-        let mut scene = empty();
-        scene.cameras = vec![camera(DVec3::Z * 9.0, DVec3::ZERO)];
+        let mut scene = seen_from(DVec3::Z * 9.0, nodes);
         scene.appearance.materials[2].emission = ColorTexture::Constant(Rgb::WHITE);
-        scene.nodes = nodes;
         scene
     }
 

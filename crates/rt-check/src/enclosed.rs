@@ -89,8 +89,7 @@ mod tests {
 
     #[test]
     fn a_light_in_an_opaque_sphere_is_found() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::X, 2.0)];
+        let mut scene = scene_with(vec![sphere(DVec3::X, 2.0)]);
         scene.appearance.lights = vec![point_light(DVec3::ZERO, 0.0)];
         let finding = only(&scene, Kind::LightEnclosed);
         assert_eq!(finding.object, "lamp");
@@ -108,9 +107,7 @@ mod tests {
 
     #[test]
     fn a_camera_in_a_dark_sphere_is_a_warning_and_one_in_a_lit_room_a_note() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 2.0)];
-        scene.cameras = vec![camera(DVec3::Z, DVec3::ZERO)];
+        let mut scene = seen_from(DVec3::Z, vec![sphere(DVec3::ZERO, 2.0)]);
         let finding = only(&scene, Kind::CameraInside);
         assert_eq!((finding.severity, finding.object.as_str()), (Severity::Warning, "main"));
         scene.appearance.lights = vec![point_light(DVec3::X, 0.0)];
@@ -119,8 +116,7 @@ mod tests {
 
     #[test]
     fn a_very_distant_light_is_found() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let mut scene = scene_with(vec![sphere(DVec3::ZERO, 1.0)]);
         scene.appearance.lights = vec![point_light(DVec3::Y * 4e7, 0.0)];
         let finding = only(&scene, Kind::LightFar);
         assert_eq!(finding.values[0], value("distance", 4e7));

@@ -259,11 +259,10 @@ mod tests {
 
     #[test]
     fn faces_of_boxes_look_outwards_even_if_mirrored() {
-        let mut scene = empty();
         let solid = Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap();
         let mut node = SceneNode::new(Content::Shape(Shape::Cuboid(solid)), GREY);
         node.parent_from_local = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).unwrap();
-        scene.nodes = vec![SceneNode { parent_from_local: Transform::IDENTITY, ..node.clone() }, node];
+        let scene = scene_with(vec![SceneNode { parent_from_local: Transform::IDENTITY, ..node.clone() }, node]);
         let objects = Objects::of(&scene);
         let facets = Facets::of(&objects);
         assert_eq!(facets.count, 24);
@@ -280,7 +279,6 @@ mod tests {
 
     #[test]
     fn caps_disks_and_polygons_look_to_their_front() {
-        let mut scene = empty();
         let corners = [[0.0, 0.0], [1.0, 1.0], [0.0, 3.0], [-1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, -2.0));
         let polygon = Polygon::new(corners.to_vec(), Vec::new(), InsideRule::EvenOdd).unwrap();
         let shapes = [
@@ -290,7 +288,7 @@ mod tests {
             Shape::Disk(Disk::new(2.0, 1.0).unwrap()),
             Shape::Polygon(Arc::new(polygon)),
         ];
-        scene.nodes = shapes.map(|shape| SceneNode::new(Content::Shape(shape), GREY)).to_vec();
+        let scene = scene_with(shapes.map(|shape| SceneNode::new(Content::Shape(shape), GREY)).to_vec());
         let objects = Objects::of(&scene);
         let facets = Facets::of(&objects);
         let fronts: Vec<DVec3> =

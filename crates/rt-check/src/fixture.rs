@@ -38,6 +38,23 @@ pub(crate) fn empty() -> Scene {
     }
 }
 
+/// [`empty`] with these nodes.
+pub(crate) fn scene_with(nodes: Vec<SceneNode>) -> Scene {
+    Scene { nodes, ..empty() }
+}
+
+/// [`scene_with`] a camera that looks at the origin.
+pub(crate) fn seen_from(eye: DVec3, nodes: Vec<SceneNode>) -> Scene {
+    Scene { cameras: vec![camera(eye, DVec3::ZERO)], ..scene_with(nodes) }
+}
+
+/// [`empty`] with a node that shows a mesh, as of [`add_mesh`].
+pub(crate) fn scene_of_mesh(data: MeshData) -> Scene {
+    let mut scene = empty();
+    scene.nodes = vec![add_mesh(&mut scene, data)];
+    scene
+}
+
 pub(crate) const fn value(name: &'static str, value: f64) -> Measurement {
     Measurement { name, value }
 }

@@ -84,8 +84,7 @@ mod tests {
 
     #[test]
     fn too_bright_highlights_are_noted() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let mut scene = scene_with(vec![sphere(DVec3::ZERO, 1.0)]);
         let (diffuse, specular) = (Rgb::gray(0.25), Rgb::new(0.5, 2.0, 0.5));
         let (diffuse, specular) = (ColorTexture::Constant(diffuse), ColorTexture::Constant(specular));
         scene.appearance.materials[0].model = Phong { diffuse, specular, exponent: 6.0, ..Phong::default() }.into();
@@ -96,8 +95,7 @@ mod tests {
 
     #[test]
     fn physically_based_materials_have_no_energy_gain() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let mut scene = scene_with(vec![sphere(DVec3::ZERO, 1.0)]);
         let (metallic, roughness) = (FloatTexture::Constant(0.0), FloatTexture::Constant(0.5));
         let base_color = ColorTexture::Constant(Rgb::WHITE);
         let layered = LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness });

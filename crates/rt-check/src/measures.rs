@@ -155,21 +155,14 @@ fn coarse_vertices(named: &rt_scene_io::NamedMesh) -> Option<Finding> {
 mod tests {
     use super::*;
     use crate::fixture::*;
-    use crate::report::Report;
     use rt_math::{DVec3, Transform, Vec3};
-
-    fn measured(report: &Report) -> &Measures {
-        &report.measures
-    }
 
     #[test]
     fn lengths_are_those_of_the_world() {
-        let mut scene = empty();
-        let mut node = add_mesh(&mut scene, cube_data());
-        node.parent_from_local = Transform::scale(DVec3::new(2.0, 8.0, 0.5)).unwrap();
-        scene.nodes = vec![node, floor(-1.0), sphere(DVec3::new(0.0, 8.0, 0.0), 4.0)];
-        let report = crate::check(&scene);
-        let measures = measured(&report);
+        let mut scene = scene_of_mesh(cube_data());
+        scene.nodes[0].parent_from_local = Transform::scale(DVec3::new(2.0, 8.0, 0.5)).unwrap();
+        scene.nodes.extend([floor(-1.0), sphere(DVec3::new(0.0, 8.0, 0.0), 4.0)]);
+        let measures = crate::check(&scene).measures;
         assert_eq!((measures.objects, measures.infinite_objects, measures.triangles), (3, 1, 12));
         assert!((measures.extent - 12.0).abs() < 1e-9);
         assert!((measures.smallest - 0.5).abs() < 1e-12);
@@ -177,14 +170,12 @@ mod tests {
         assert!((measures.condition - 16.0).abs() < 1e-12);
         // The box runs from (−4, 0, −4) to (4, 12, 4).
         assert!((measures.origin_distance - 0.5).abs() < 1e-9, "{measures:?}");
-        let nothing = crate::check(&empty());
-        assert_eq!(measured(&nothing), &Measures { condition: 1.0, ..Measures::default() });
+        assert_eq!(crate::check(&empty()).measures, Measures { condition: 1.0, ..Measures::default() });
     }
 
     #[test]
     fn specks_and_distance_are_found() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::Y * 2.0, 1e-8)];
+        let mut scene = scene_with(vec![sphere(DVec3::ZERO, 1.0), sphere(DVec3::Y * 2.0, 1e-8)]);
         let finding = only(&scene, Kind::DynamicRange);
         assert_eq!(finding.severity, Severity::Note);
         assert!((finding.values[0].value - 1.5e8).abs() < 1e3, "{finding:?}");
@@ -201,11 +192,9 @@ mod tests {
 
     #[test]
     fn meshes_far_from_their_own_origin_are_coarse() {
-        let mut scene = empty();
         let mut data = cube_data();
         data.positions.iter_mut().for_each(|p| *p += Vec3::splat(65536.0));
-        let node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node];
+        let scene = scene_of_mesh(data);
         let finding = only(&scene, Kind::CoarseVertices);
         assert_eq!(finding.values, [value("spacing", 1.0 / 128.0), value("extent", 1.0)]);
     }

@@ -120,11 +120,9 @@ mod tests {
             let a = i / side * (side + 1) + i % side;
             [[a, a + side + 1, a + 1], [a + 1, a + side + 1, a + side + 2]]
         };
-        let mut scene = empty();
         let positions = (0..(side + 1) * (side + 1)).map(point).collect();
         let triangles = (0..side * side).flat_map(cell).collect();
-        scene.nodes = vec![add_mesh(&mut scene, MeshData { positions, triangles, ..MeshData::default() })];
-        scene
+        scene_of_mesh(MeshData { positions, triangles, ..MeshData::default() })
     }
 
     /// The prediction for a check was that for a render.

@@ -78,12 +78,10 @@ mod tests {
 
     #[test]
     fn normals_to_the_back_are_counted() {
-        let mut scene = empty();
         let mut data = cube_data();
         data.smooth_normals();
         data.triangles[3].swap(1, 2);
-        let node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node];
+        let scene = scene_of_mesh(data);
         let finding = only(&scene, Kind::OpposedNormals);
         // Corners of a cube have their normals along the diagonals: 54.7356 degrees off each face.
         assert_eq!(finding.values[0], value("count", 1.0));
@@ -92,30 +90,24 @@ mod tests {
 
     #[test]
     fn textures_want_coordinates() {
-        let mut scene = empty();
-        let mut node = add_mesh(&mut scene, cube_data());
-        node.material = CHECKER;
-        scene.nodes = vec![node];
+        let mut scene = scene_of_mesh(cube_data());
+        scene.nodes[0].material = CHECKER;
         assert_eq!(only(&scene, Kind::MissingUvs).object, "cube");
 
         // Colours of vertices are no such texture.
         let colours = TextureId(scene.appearance.textures.len() as u32);
         scene.appearance.textures.push(Texture::VertexColor(None));
-        let checker = scene.appearance.materials[CHECKER.0 as usize].model.clone();
         let diffuse = ColorTexture::Textured(colours, Rgb::WHITE);
         scene.appearance.materials[CHECKER.0 as usize].model = Phong { diffuse, ..Phong::default() }.into();
         assert_eq!(of_kind(&scene, Kind::MissingUvs), []);
-        scene.appearance.materials[CHECKER.0 as usize].model = checker;
 
         let mut data = cube_data();
         // Seen along z, four faces of the cube are lines.
         data.uvs = data.positions.iter().map(|p| [p.x, p.y]).collect();
-        let mut node = add_mesh(&mut scene, data.clone());
-        node.material = CHECKER;
-        scene.nodes = vec![node];
+        let mut scene = scene_of_mesh(data);
+        scene.nodes[0].material = CHECKER;
         assert_eq!(only(&scene, Kind::DegenerateUvs).values, [value("count", 8.0)]);
-        let plain = add_mesh(&mut scene, data);
-        scene.nodes = vec![plain];
+        scene.nodes[0].material = GREY;
         assert_eq!(of_kind(&scene, Kind::DegenerateUvs), []);
     }
 }

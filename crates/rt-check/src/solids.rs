@@ -193,26 +193,20 @@ mod tests {
         let plane = Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).unwrap());
         let open_cylinder = Shape::Cylinder(CappedQuadric::cylinder(1.0, 0.0, 1.0, false).unwrap());
         for open in [plane, open_cylinder] {
-            let mut scene = empty();
-            scene.nodes = vec![shape(open)];
-            assert_eq!(only(&scene, Kind::OpenGlass).severity, Severity::Warning);
+            assert_eq!(only(&scene_with(vec![shape(open)]), Kind::OpenGlass).severity, Severity::Warning);
         }
         let solid = Shape::Cuboid(Cuboid::new(DVec3::ZERO, DVec3::ONE).unwrap());
         let can = Shape::Cylinder(CappedQuadric::cylinder(1.0, 5.0, 6.0, true).unwrap());
-        let mut scene = empty();
-        scene.nodes = vec![shape(solid), shape(can)];
-        assert_eq!(of_kind(&scene, Kind::OpenGlass), []);
+        assert_eq!(of_kind(&scene_with(vec![shape(solid), shape(can)]), Kind::OpenGlass), []);
     }
 
     #[test]
     fn open_glass_meshes_count_their_edges() {
-        let mut scene = empty();
         let mut data = cube_data();
         data.triangles.pop();
         data.positions.iter_mut().for_each(|p| *p *= Vec3::new(1.0, 2.0, 1.0));
-        let mut node = add_mesh(&mut scene, data);
-        node.material = GLASS;
-        scene.nodes = vec![node];
+        let mut scene = scene_of_mesh(data);
+        scene.nodes[0].material = GLASS;
         assert_eq!(only(&scene, Kind::OpenGlass).values, [value("open_edges", 3.0)]);
     }
 }

@@ -13,20 +13,18 @@ fn warnings_of_the_loader_are_reported() {
 
 #[test]
 fn a_scene_that_cannot_be_rendered_says_why() {
-    let mut scene = empty();
     let mut node = sphere(DVec3::ZERO, 1.0);
     node.material = rt_scene_io::MaterialId(99);
-    scene.nodes = vec![node];
+    let scene = scene_with(vec![node]);
     let finding = only(&scene, Kind::CannotRender);
     assert!(finding.message.contains("material index 99"), "{finding:?}");
 }
 
 #[test]
 fn a_mesh_without_a_name_is_numbered() {
-    let mut scene = empty();
     let mut data = cube_data();
     data.triangles.pop();
-    scene.nodes = vec![add_mesh(&mut scene, data)];
+    let mut scene = scene_of_mesh(data);
     scene.meshes[0].name.clear();
     assert_eq!(only(&scene, Kind::OpenEdges).object, "mesh number 0");
 }

@@ -146,28 +146,23 @@ mod tests {
 
     #[test]
     fn severity_depends_on_the_material() {
-        let mut scene = empty();
         let mut data = cube_data();
         data.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-        let mut node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node.clone()];
+        let mut scene = scene_of_mesh(data);
         let finding = only(&scene, Kind::InsideOut);
         assert_eq!((finding.severity, finding.values), (Severity::Note, vec![value("volume", -1.0)]));
-        node.material = GLASS;
-        scene.nodes = vec![node];
+        scene.nodes[0].material = GLASS;
         assert_eq!(only(&scene, Kind::InsideOut).severity, Severity::Warning);
     }
 
     #[test]
     fn findings_name_the_mesh_and_the_count() {
-        let mut scene = empty();
         let mut data = cube_data();
         data.triangles.pop();
         data.triangles[0].swap(1, 2);
         data.positions.push(Vec3::splat(-1.0));
         data.triangles.push([0, 1, 8]);
-        let node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node];
+        let scene = scene_of_mesh(data);
         for (kind, count) in [(Kind::OpenEdges, 5.0), (Kind::InconsistentWinding, 3.0), (Kind::NonManifoldEdges, 1.0)] {
             let finding = only(&scene, kind);
             assert_eq!((finding.object.as_str(), finding.values), ("cube", vec![value("count", count)]), "{kind:?}");

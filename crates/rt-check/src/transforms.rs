@@ -63,15 +63,13 @@ mod tests {
 
     #[test]
     fn a_product_that_undoes_itself_is_still_a_loss() {
-        let mut scene = empty();
         let mut inner = sphere(DVec3::ZERO, 1.0);
         inner.parent_from_local = Transform::scale(DVec3::new(1e7, 1.0, 1.0)).unwrap();
         let mut outer = sphere(DVec3::X * 3.0, 1.0);
         outer.content = None;
         outer.parent_from_local = inner.parent_from_local.inverse();
         outer.children = vec![inner];
-        scene.nodes = vec![outer];
-        let finding = only(&scene, Kind::IllConditioned);
+        let finding = only(&scene_with(vec![outer]), Kind::IllConditioned);
         assert_eq!(finding.severity, Severity::Warning);
         assert_eq!(finding.object, "nodes[0].children[0]");
         assert!((finding.values[0].value - 1.0).abs() < 1e-9, "{finding:?}");
@@ -81,36 +79,31 @@ mod tests {
     /// The reflection of the whole world of a pbrt file was noted for each of its objects.
     #[test]
     fn the_reflection_of_a_left_handed_file_is_no_mirror_image() {
-        let mut scene = empty();
         let reflected = |x, children| {
             let reflection = Transform::scale(DVec3::new(x, 1.0, 1.0)).expect("a reflection");
             SceneNode { children, ..SceneNode::empty(String::new(), reflection) }
         };
         let in_file = vec![sphere(DVec3::ZERO, 1.0), reflected(-2.0, vec![sphere(DVec3::X * 4.0, 1.0)])];
         let file = SceneNode { is_left_handed: true, ..reflected(-1.0, in_file) };
-        scene.nodes = vec![file.clone()];
         // An object that the file itself reflects is one.
-        let finding = only(&scene, Kind::Mirrored);
+        let finding = only(&scene_with(vec![file.clone()]), Kind::Mirrored);
         assert_eq!(finding.object, "nodes[0].children[1].children[0]");
         assert_eq!(finding.values, [value("determinant", -2.0)]);
         // A scene that reflects the file makes a mirror image of the rest.
-        scene.nodes = vec![reflected(-1.0, vec![file])];
+        let scene = scene_with(vec![reflected(-1.0, vec![file])]);
         assert_eq!(only(&scene, Kind::Mirrored).object, "nodes[0].children[0].children[0]");
     }
 
     #[test]
     fn mirrors_and_stretched_normals_are_noted() {
-        let mut scene = empty();
         let mut node = sphere(DVec3::ZERO, 1.0);
         node.parent_from_local = Transform::scale(DVec3::new(-2.0, 2.0, 2.0)).unwrap();
-        scene.nodes = vec![node];
-        assert_eq!(only(&scene, Kind::Mirrored).values, [value("determinant", -8.0)]);
+        assert_eq!(only(&scene_with(vec![node]), Kind::Mirrored).values, [value("determinant", -8.0)]);
 
         let mut data = cube_data();
         data.smooth_normals();
-        let mut node = add_mesh(&mut scene, data);
-        node.parent_from_local = Transform::scale(DVec3::new(1.0, 4.0, 1.0)).unwrap();
-        scene.nodes = vec![node];
+        let mut scene = scene_of_mesh(data);
+        scene.nodes[0].parent_from_local = Transform::scale(DVec3::new(1.0, 4.0, 1.0)).unwrap();
         let finding = only(&scene, Kind::StretchedNormals);
         assert_eq!(finding.values, [value("condition", 4.0)]);
         assert_eq!(finding.severity, Severity::Note);

@@ -120,11 +120,9 @@ mod tests {
 
     #[test]
     fn duplicates_are_counted_by_their_front() {
-        let mut scene = empty();
         let mut data = cube_data();
         data.triangles.extend([[3, 0, 2], [0, 2, 3], [0, 3, 2]]);
-        let node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node];
+        let scene = scene_of_mesh(data);
         let same = only(&scene, Kind::DuplicateTriangles);
         assert_eq!((same.values, same.object.as_str()), (vec![value("count", 2.0)], "cube"));
         assert_eq!(of_kind(&scene, Kind::OppositeTriangles)[0].values, [value("count", 1.0)]);
@@ -132,14 +130,12 @@ mod tests {
 
     #[test]
     fn slivers_are_measured() {
-        let mut scene = empty();
         let data = MeshData {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(0.5, 1e-5, 0.0), Vec3::new(0.5, 1e-3, 0.0)],
             triangles: vec![[0, 1, 3], [0, 1, 2]],
             ..MeshData::default()
         };
-        let node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node];
+        let scene = scene_of_mesh(data);
         let finding = only(&scene, Kind::SliverTriangles);
         assert_eq!((finding.values[0].value, finding.values[2].value), (1.0, 1.0));
         assert!((finding.values[1].value - 1.0 / f64::from(1e-5f32)).abs() < 1e-6, "{finding:?}");
@@ -147,13 +143,11 @@ mod tests {
 
     #[test]
     fn a_huge_triangle_among_small_ones_is_noted() {
-        let mut scene = empty();
         let mut data = cube_data();
         let first = data.positions.len() as u32;
         data.positions.extend([Vec3::ZERO, Vec3::X * 1e5, Vec3::Y * 1e5]);
         data.triangles.push([first, first + 1, first + 2]);
-        let node = add_mesh(&mut scene, data);
-        scene.nodes = vec![node];
+        let scene = scene_of_mesh(data);
         let finding = only(&scene, Kind::UnevenTriangles);
         assert_eq!(finding.values[0].value, 1.0);
         assert!((finding.values[2].value - 2e10f64.sqrt()).abs() < 1e-3, "{finding:?}");

@@ -38,8 +38,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_light_is_found() {
-        let mut scene = empty();
-        scene.nodes = vec![sphere(DVec3::ZERO, 1.0)];
+        let mut scene = scene_with(vec![sphere(DVec3::ZERO, 1.0)]);
         assert_eq!(of_kind(&scene, Kind::Unlit), [], "`whitted` adds ambient light");
         scene.settings.integrator = Integrator::Path;
         let finding = only(&scene, Kind::Unlit);

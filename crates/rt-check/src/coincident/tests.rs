@@ -16,7 +16,7 @@ fn faces(count: f64, visible: f64) -> [Measurement; 2] {
 }
 
 fn scene_of(nodes: Vec<SceneNode>) -> Scene {
-    Scene { nodes, cameras: vec![camera(DVec3::new(0.3, 2.0, 6.0), DVec3::ZERO)], ..empty() }
+    seen_from(DVec3::new(0.3, 2.0, 6.0), nodes)
 }
 
 /// Node with a different material.
@@ -105,14 +105,12 @@ fn glass_that_touches_is_named() {
 
 #[test]
 fn a_mesh_that_lies_in_itself_is_noted() {
-    let mut scene = empty();
     let mut data = cube_data();
     let first = data.positions.len() as u32;
     let flap = [[0.25, 0.25, 0.0], [0.25, 0.75, 0.0], [0.75, 0.25, 0.0]];
     data.positions.extend(flap.map(rt_math::Vec3::from));
     data.triangles.push([first, first + 1, first + 2]);
-    let node = add_mesh(&mut scene, data);
-    scene.nodes = vec![node];
+    let scene = scene_of_mesh(data);
     let finding = only(&scene, Kind::CoincidentSurfaces);
     assert_eq!((finding.severity, finding.values[0].value), (Severity::Note, 2.0));
 }
