@@ -305,18 +305,8 @@ impl Clone for SceneNode {
 impl SceneNode {
     /// Copy without the nodes below.
     fn without_children(&self) -> Self {
-        let Self { name, parent_from_local, moves_to, content, material, casts_shadow, is_left_handed, children } =
-            self;
-        Self {
-            name: name.clone(),
-            parent_from_local: *parent_from_local,
-            moves_to: *moves_to,
-            content: content.clone(),
-            material: *material,
-            casts_shadow: *casts_shadow,
-            is_left_handed: *is_left_handed,
-            children: Vec::with_capacity(children.len()),
-        }
+        let children = Vec::with_capacity(self.children.len());
+        Self { name: self.name.clone(), content: self.content.clone(), children, ..*self }
     }
 
     /// Node with this content, at its parent's place.
@@ -414,7 +404,7 @@ pub struct KnownMean {
 }
 
 /// A scene ready to be compiled to a plan.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name, usually the stem of the file.
     pub name: String,
@@ -443,19 +433,7 @@ pub struct Scene {
 impl Scene {
     /// Scene without content or cameras.
     pub fn empty(name: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            cameras: Vec::new(),
-            film: FilmSettings::default(),
-            settings: RenderSettings::default(),
-            appearance: Appearance::default(),
-            meshes: Vec::new(),
-            groups: Vec::new(),
-            nodes: Vec::new(),
-            truth: None,
-            warnings: Vec::new(),
-            notes: Vec::new(),
-        }
+        Self { name: name.to_owned(), ..Self::default() }
     }
 }
 

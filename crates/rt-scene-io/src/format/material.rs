@@ -259,14 +259,6 @@ impl Spelled for NodeMaterial {
         Box::deserialize(from).map(Self::Inline)
     }
 
-    fn from_number(_: f64) -> Option<Self> {
-        None
-    }
-
-    fn from_numbers(_: [f64; 3]) -> Option<Self> {
-        None
-    }
-
     fn from_text(text: &str) -> Option<Self> {
         Some(Self::Name(text.to_owned()))
     }

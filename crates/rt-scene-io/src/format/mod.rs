@@ -48,7 +48,7 @@ pub use settings::{Adaptive, LightSampling, Sampler, Settings};
 pub use transform::Step;
 
 /// A scene: objects, materials, lights, cameras and render settings.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
@@ -145,21 +145,7 @@ impl SceneFile {
 
     /// A scene of these nodes, with defaults for all other fields.
     pub fn of_nodes(nodes: Vec<Node>) -> Self {
-        Self {
-            schema: None,
-            name: None,
-            camera: None,
-            cameras: Vec::new(),
-            film: Film::default(),
-            settings: Settings::default(),
-            background: None,
-            lights: None,
-            materials: IndexMap::new(),
-            groups: IndexMap::new(),
-            nodes,
-            truth: None,
-            warnings: Vec::new(),
-        }
+        Self { nodes, ..Self::default() }
     }
 }
 

@@ -23,10 +23,14 @@ pub(super) trait Spelled: Sized {
     fn choice<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error>;
 
     /// Value of a number, if the type accepts one.
-    fn from_number(number: f64) -> Option<Self>;
+    fn from_number(_number: f64) -> Option<Self> {
+        None
+    }
 
-    /// Value of three numbers.
-    fn from_numbers(numbers: [f64; 3]) -> Option<Self>;
+    /// Value of three numbers, if the type accepts them.
+    fn from_numbers(_numbers: [f64; 3]) -> Option<Self> {
+        None
+    }
 
     /// Value of a string.
     fn from_text(text: &str) -> Option<Self>;

@@ -127,18 +127,12 @@ struct StatementReader {
     corners: Vec<[Option<usize>; 3]>,
 }
 
-#[derive(Clone)]
+#[derive(Clone, Default)]
 struct ObjState {
     name: String,
     object: String,
     material: Option<String>,
     smoothing: Smoothing,
-}
-
-impl Default for ObjState {
-    fn default() -> Self {
-        Self { name: String::new(), object: String::new(), material: None, smoothing: Smoothing::Unspecified }
-    }
 }
 
 impl StatementReader {

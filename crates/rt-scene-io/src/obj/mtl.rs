@@ -59,9 +59,8 @@ pub(super) fn parse(text: &str) -> MtlFile {
         }
         let word = line.split().0;
         if !is_known(word) {
-            let known = unknown.iter().position(|unknown| unknown.keyword == word);
-            if let Some(unknown) = known.and_then(|index| unknown.get_mut(index)) {
-                unknown.count += 1;
+            if let Some(known) = unknown.iter_mut().find(|unknown| unknown.keyword == word) {
+                known.count += 1;
             } else if unknown.len() < MAX_UNKNOWN {
                 unknown.push(UnknownStatement { line: line.number, keyword: word.to_owned(), count: 1 });
             }
@@ -75,13 +74,12 @@ pub(super) fn parse(text: &str) -> MtlFile {
             Err(reason) => warnings.push((line.number, reason)),
         }
     }
-    match tobj::load_mtl_buf(&mut clean.as_bytes()) {
-        Ok((materials, _)) => MtlFile { materials, warnings, unknown },
-        Err(error) => {
-            warnings.push((1, format!("no material can be read: {error}")));
-            MtlFile { materials: Vec::new(), warnings, unknown }
-        }
-    }
+    let read = tobj::load_mtl_buf(&mut clean.as_bytes());
+    let (materials, _) = read.unwrap_or_else(|error| {
+        warnings.push((1, format!("no material can be read: {error}")));
+        Default::default()
+    });
+    MtlFile { materials, warnings, unknown }
 }
 
 /// The statement in the form that `tobj` reads.

@@ -8,10 +8,11 @@ use rt_math::{DVec3, Vec3};
 use crate::limits;
 
 /// Smoothness of a surface in the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Smoothing {
     /// Not specified. Edges are smoothed below an angle of 41°, so that curved models are smooth and boxes keep their
     /// edges.
+    #[default]
     Unspecified,
     /// `s off` or `s 0`: flat faces.
     Off,
