@@ -30,6 +30,11 @@ impl Diagnostics {
         }
     }
 
+    /// Records a value that breaks a rule.
+    pub(crate) fn refuse<T>(&mut self, path: impl Display, value: impl Display, rule: impl Into<String>) -> Option<T> {
+        self.check(path, Err(LoadErrorKind::invalid(value, rule)))
+    }
+
     /// Notes errors that were found elsewhere, such as in an included file.
     pub(crate) fn add(&mut self, errors: impl IntoIterator<Item = Diagnostic>) {
         for error in errors {

@@ -191,6 +191,11 @@ impl LoadErrorKind {
         if value > limit { Err(Self::TooLarge { what, value, limit }) } else { Ok(()) }
     }
 
+    /// A reference that cannot be used; the message reads "`reference` rule".
+    pub(crate) fn bad_reference(reference: &str, rule: impl fmt::Display) -> Self {
+        Self::BadReference { reference: reference.to_owned(), rule: rule.to_string() }
+    }
+
     /// A word that is not among the known ones.
     pub(crate) fn unknown(kind: &'static str, found: &str, known: Vec<String>) -> Self {
         Self::UnknownWord { kind, found: found.to_owned(), known }

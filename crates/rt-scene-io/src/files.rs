@@ -122,7 +122,7 @@ pub(crate) fn is_absolute(reference: &str) -> bool {
 /// # Errors
 /// An absolute reference, a URL, a path outside of the root, or a missing file.
 pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> Result<PathBuf, LoadErrorKind> {
-    let bad = |rule: &str| LoadErrorKind::BadReference { reference: reference.to_owned(), rule: rule.to_owned() };
+    let bad = |rule: &str| LoadErrorKind::bad_reference(reference, rule);
     if reference.is_empty() {
         return Err(bad("is empty: name a file"));
     }

@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use serde_json::Value;
 
 use super::cursor::Key;
+use super::schema::{choice_name, choices, length, reference, type_of};
 use super::{deprecated, schema};
 
 /// Notation of values.
@@ -80,7 +81,7 @@ impl Schema {
         let mut waiting = schemas;
         waiting.reverse();
         while let Some(schema) = waiting.pop() {
-            if let Some(name) = schema.get("$ref").and_then(Value::as_str).and_then(|path| path.rsplit('/').next()) {
+            if let Some(name) = reference(schema) {
                 if let Some((name, definition)) =
                     self.0.get("$defs").and_then(Value::as_object).and_then(|all| all.get_key_value(name))
                 {
@@ -91,10 +92,9 @@ impl Schema {
                 }
                 continue;
             }
-            let choices = ["anyOf", "oneOf"].into_iter().filter_map(|key| schema.get(key)?.as_array()).flatten();
-            let choices: Vec<&Value> = choices.collect();
+            let choices: Vec<&Value> = choices(schema).collect();
             if choices.is_empty() {
-                if schema.get("type").and_then(Value::as_str) != Some("null") {
+                if type_of(schema) != "null" {
                     slot.alternatives.push(schema);
                 }
             } else {
@@ -125,12 +125,8 @@ impl<'s> Slot<'s> {
             if let Some(name) = any.get("const").and_then(Value::as_str) {
                 return Some((name, false));
             }
-            let required = any.get("required")?.as_array()?;
-            let fields = any.get("properties")?.as_object()?;
-            // A choice is an object of one field.
-            let [one] = &required[..] else { return None };
-            (fields.len() == 1).then(|| fields.keys().next())??;
-            Some((fields.get_key_value(one.as_str()?)?.0, true))
+            let fields = any.get("properties")?.as_object().filter(|fields| fields.len() == 1)?;
+            Some((fields.get_key_value(choice_name(any)?)?.0, true))
         };
         let named =
             self.alternatives.iter().copied().filter_map(|any| match any.get("enum").and_then(Value::as_array) {
@@ -147,8 +143,7 @@ impl<'s> Slot<'s> {
 
     /// Elements of a list of fixed length.
     pub(super) fn fixed_length(&self) -> Option<usize> {
-        let length = |any: &&Value| any.get("maxItems").and_then(Value::as_u64);
-        self.alternatives.iter().find_map(length).and_then(|length| usize::try_from(length).ok())
+        self.alternatives.iter().find_map(|any| length(any))
     }
 
     /// Description of the expected value.
@@ -187,11 +182,7 @@ impl<'s> Slot<'s> {
 
     fn words_of(&self, schema: &Value, notation: Notation) -> String {
         let is_ron = notation == Notation::Ron;
-        let kind = match schema.get("type") {
-            Some(Value::Array(kinds)) => kinds.first().and_then(Value::as_str),
-            kind => kind.and_then(Value::as_str),
-        };
-        match kind.unwrap_or_default() {
+        match type_of(schema) {
             "number" => "a number".to_owned(),
             "integer" if schema.get("minimum").and_then(Value::as_f64) == Some(0.0) => {
                 "a whole number from 0 up".to_owned()

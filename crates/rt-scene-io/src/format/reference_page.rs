@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value};
 
-use super::schema;
+use super::schema::{self, choice_name, choices, length, reference, type_of};
 
 /// The types in the order in which they are described, each with its heading.
 const TYPES: [(&str, &str); 36] = [
@@ -163,7 +163,7 @@ impl<'s> Format<'s> {
     /// The fields of a choice that has fields.
     fn fields_of(&self, choice: &'s Value) -> Option<&'s Value> {
         let inner = choice.get("properties")?.get(choice_name(choice)?)?;
-        (inner.get("type")?.as_str() == Some("object")).then_some(inner)
+        (type_of(inner) == "object").then_some(inner)
     }
 
     fn table(&self, schema: &'s Value, page: &mut String) {
@@ -373,38 +373,11 @@ fn is_required(schema: &Value, name: &str) -> bool {
     schema.get("required").and_then(Value::as_array).is_some_and(|names| names.iter().any(|known| known == name))
 }
 
-fn choices(schema: &Value) -> impl Iterator<Item = &Value> {
-    ["oneOf", "anyOf"].into_iter().filter_map(|key| schema.get(key)?.as_array()).flatten()
-}
-
-/// The name of a choice that is an object of one field.
-fn choice_name(choice: &Value) -> Option<&str> {
-    let [one] = &choice.get("required")?.as_array()?[..] else { return None };
-    one.as_str()
-}
-
-fn reference(schema: &Value) -> Option<&str> {
-    schema.get("$ref")?.as_str()?.rsplit('/').next()
-}
-
 /// Schema of an optional value that is present.
 fn present(schema: &Value) -> Option<&Value> {
     let options = schema.get("anyOf")?.as_array()?;
-    let is_null = |option: &&Value| option.get("type").and_then(Value::as_str) == Some("null");
+    let is_null = |option: &&Value| type_of(option) == "null";
     options.iter().any(|option| is_null(&option)).then(|| options.iter().find(|option| !is_null(option)))?
-}
-
-fn type_of(schema: &Value) -> &str {
-    match schema.get("type") {
-        Some(Value::Array(kinds)) => kinds.first().and_then(Value::as_str),
-        kind => kind.and_then(Value::as_str),
-    }
-    .unwrap_or_default()
-}
-
-/// The length of a list of fixed length.
-fn length(schema: &Value) -> Option<usize> {
-    schema.get("maxItems").and_then(Value::as_u64).and_then(|length| usize::try_from(length).ok())
 }
 
 fn elements(schema: &Value) -> Option<&Value> {

@@ -15,6 +15,35 @@ pub(super) fn value() -> Value {
     serde_json::from_str(json_schema()).unwrap_or_default()
 }
 
+/// Alternatives of a schema.
+pub(super) fn choices(schema: &Value) -> impl Iterator<Item = &Value> {
+    ["oneOf", "anyOf"].into_iter().filter_map(|key| schema.get(key)?.as_array()).flatten()
+}
+
+/// The name of a choice that is an object of one field.
+pub(super) fn choice_name(choice: &Value) -> Option<&str> {
+    let [one] = &choice.get("required")?.as_array()?[..] else { return None };
+    one.as_str()
+}
+
+/// Name of the definition that a schema refers to.
+pub(super) fn reference(schema: &Value) -> Option<&str> {
+    schema.get("$ref")?.as_str()?.rsplit('/').next()
+}
+
+pub(super) fn type_of(schema: &Value) -> &str {
+    match schema.get("type") {
+        Some(Value::Array(kinds)) => kinds.first().and_then(Value::as_str),
+        kind => kind.and_then(Value::as_str),
+    }
+    .unwrap_or_default()
+}
+
+/// The length of a list of fixed length.
+pub(super) fn length(schema: &Value) -> Option<usize> {
+    schema.get("maxItems").and_then(Value::as_u64).and_then(|length| usize::try_from(length).ok())
+}
+
 #[cfg(all(test, feature = "schema"))]
 mod tests {
     use crate::format::SceneFile;

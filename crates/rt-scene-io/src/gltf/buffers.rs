@@ -13,6 +13,7 @@ use percent_encoding::percent_decode_str;
 use super::meshopt;
 use crate::{
     LoadError, LoadErrorKind, LoadOptions,
+    error::ErrorAt,
     files::{read_referenced, resolve_path},
     limits,
     memory::Reservation,
@@ -82,18 +83,8 @@ impl<'a> Buffers<'a> {
         if let Some(decoded) = self.decoded.get(&view.index()) {
             return Ok(decoded);
         }
-        let buffer = view.buffer().index();
-        let fail = |reason: LoadErrorKind| reason.at(self.path, format!("bufferViews[{}]", view.index()));
-        let Some(Some(data)) = self.data.get(buffer) else {
-            return Err(fail(LoadErrorKind::Syntax(format!("the buffer {buffer} has no data"))));
-        };
-        let end = view.offset().checked_add(view.length());
-        end.and_then(|end| data.get(view.offset()..end)).ok_or_else(|| {
-            let (offset, length) = (view.offset(), view.length());
-            let message =
-                format!("{length} bytes at offset {offset} exceed the buffer {buffer} of {} bytes", data.len());
-            fail(LoadErrorKind::Syntax(message))
-        })
+        let bytes = meshopt::bytes_of(&self.data, view.buffer().index(), view.offset(), view.length());
+        bytes.at(self.path, format!("bufferViews[{}]", view.index()))
     }
 
     /// Adds elements without a buffer to those of all accessors, which have a limit.

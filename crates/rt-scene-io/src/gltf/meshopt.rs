@@ -51,18 +51,28 @@ pub(super) fn decoded_bytes(object: &Value) -> u64 {
     view.map_or(0, |view| (view.count as u64).saturating_mul(view.byte_stride as u64))
 }
 
+/// Bytes of a part of a buffer, which may have no data.
+pub(super) fn bytes_of<'b>(
+    buffers: &'b [Option<Cow<'_, [u8]>>],
+    buffer: usize,
+    offset: usize,
+    length: usize,
+) -> Result<&'b [u8], LoadErrorKind> {
+    let Some(Some(data)) = buffers.get(buffer) else {
+        return Err(LoadErrorKind::Syntax(format!("the buffer {buffer} has no data")));
+    };
+    let end = offset.checked_add(length);
+    end.and_then(|end| data.get(offset..end)).ok_or_else(|| {
+        let size = data.len();
+        LoadErrorKind::Syntax(format!("{length} bytes at offset {offset} exceed the buffer {buffer} of {size} bytes"))
+    })
+}
+
 /// Decodes a view, given the content of all buffers.
 pub(super) fn decode(object: &Value, buffers: &[Option<Cow<'_, [u8]>>]) -> Result<Vec<u8>, LoadErrorKind> {
     let syntax = |message: String| LoadErrorKind::Syntax(message);
     let view = MeshoptExtension::deserialize(object).map_err(|error| syntax(plain(&error.to_string())))?;
-    let Some(Some(data)) = buffers.get(view.buffer) else {
-        return Err(syntax(format!("the buffer {} has no data", view.buffer)));
-    };
-    let end = view.byte_offset.checked_add(view.byte_length);
-    let source = end.and_then(|end| data.get(view.byte_offset..end)).ok_or_else(|| {
-        let (length, offset) = (view.byte_length, view.byte_offset);
-        syntax(format!("{length} bytes at offset {offset} exceed the buffer {} of {} bytes", view.buffer, data.len()))
-    })?;
+    let source = bytes_of(buffers, view.buffer, view.byte_offset, view.byte_length)?;
     let mode = MeshoptMode::from_name(&view.mode).map_err(|error| syntax(error.to_string()))?;
     let filter = view.filter.as_deref().map_or(Ok(MeshoptFilter::None), MeshoptFilter::from_name);
     let filter = filter.map_err(|error| syntax(error.to_string()))?;

@@ -243,8 +243,7 @@ impl Meshes<'_> {
             return Ok(None);
         };
         model.warnings.extend(notes.into_iter().map(warning));
-        let built = build_mesh(data, place, &mut model.warnings).map_err(|e| LoadErrorKind::from(e).at(path, place))?;
-        let Some(built) = built else { return Ok(None) };
+        let Some(built) = build_mesh(data, place, &mut model.warnings).at(path, place)? else { return Ok(None) };
         drop(reservation);
         let what = format!("{place} of {}", path.display());
         let reservation = self.options.memory.reserve(what, built.memory() as u64);

@@ -69,8 +69,7 @@ impl<'a> MaterialLibrary<'a> {
             match resolve_path(name, self.path, self.options) {
                 Err(LoadErrorKind::MissingReference { .. }) => Ok(None),
                 Ok(found) if found.is_dir() => {
-                    let rule = LoadErrorKind::Directory.to_string();
-                    let refused = LoadErrorKind::BadReference { reference: name.to_owned(), rule };
+                    let refused = LoadErrorKind::bad_reference(name, LoadErrorKind::Directory);
                     Err(refused.at(self.path, Location::Line(line)))
                 }
                 found => found.map(Some).at(self.path, Location::Line(line)),

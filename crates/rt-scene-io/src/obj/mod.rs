@@ -61,17 +61,13 @@ fn peak_bytes(sample: &FileSample) -> u64 {
 
 /// Loads the model that `bytes` hold; `path` is for messages and for references to other files.
 pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-    let bad = |lines: Vec<LineError>| refuse(lines, path);
     refuse_utf16(bytes).at(path, "")?;
     let (source, not_utf8) = decode(bytes);
-    let document = ObjDocument::parse(&source).map_err(bad)?;
+    let document = ObjDocument::parse(&source).map_err(|lines| refuse(lines, path))?;
 
     let mut model = Model::default();
     if let Some(line) = not_utf8 {
-        model.warn(
-            format_args!("{}:{}", path.display(), line),
-            "bytes that are not UTF-8 were read as Latin-1".to_owned(),
-        );
+        model.warn(format_args!("{}:{line}", path.display()), "bytes that are not UTF-8 were read as Latin-1");
     }
     for (what, (count, line)) in &document.skipped {
         model.warn(format_args!("{}:{}", path.display(), *line), format!("{what}: left out{}", times(*count)));
@@ -81,18 +77,14 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
     let no_library = |_: &Path| Err(tobj::LoadError::GenericFailure);
     let how = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
     let parsed = tobj::load_obj_buf(&mut document.text.as_bytes(), &how, no_library);
-    let groups = match parsed {
-        Ok((groups, _)) => groups,
-        Err(error) => return Err(explain(error, &source, path)),
-    };
+    let (groups, _) = parsed.map_err(|error| explain(error, &source, path))?;
 
     let mut library = MaterialLibrary::open(&document.libraries, path, options, &mut model)?;
     let mut parts = Vec::new();
     for group in groups {
         let Some(part) = group.name.parse().ok().and_then(|i: usize| document.parts.get(i)) else { continue };
         let mut shapes = FaceShapes::default();
-        let data =
-            mesh_data(&group.mesh, &mut shapes).map_err(|e| LoadErrorKind::from(e).at(path, display_name(part)))?;
+        let data = mesh_data(&group.mesh, &mut shapes).at(path, display_name(part))?;
         parts.push((part, shapes, data));
     }
     add_normals(&mut parts);
@@ -103,15 +95,13 @@ pub(crate) fn load_bytes(bytes: &[u8], path: &Path, options: &LoadOptions) -> Re
         model.warnings.extend(warnings);
         if library.needs_tangents(part.material.as_deref()) {
             if data.uvs.is_empty() {
-                let message = "bump maps and anisotropy need texture coordinates: they are left out";
-                model.warn(&place, message);
+                model.warn(&place, "bump maps and anisotropy need texture coordinates: they are left out");
             } else {
                 let uvs = data.uvs.clone();
                 tangents::generate(&mut data, &uvs);
             }
         }
-        let mesh = build_mesh(data, &place, &mut model.warnings)
-            .map_err(|e| LoadErrorKind::from(e).at(path, display_name(part)))?;
+        let mesh = build_mesh(data, &place, &mut model.warnings).at(path, display_name(part))?;
         let Some(mesh) = mesh else { continue };
         let has_colours = !mesh.data().colors.is_empty();
         let material = library.material(part.material.as_deref(), has_colours, &mut model)?;

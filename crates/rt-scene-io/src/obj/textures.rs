@@ -70,8 +70,7 @@ impl<'a> ObjTextures<'a> {
         }
         let image = match resolve_path(&map.file, file, self.options) {
             Ok(image) if image.is_dir() => {
-                let rule = LoadErrorKind::Directory.to_string();
-                return Err(LoadErrorKind::BadReference { reference: map.file.clone(), rule }.at(file, place));
+                return Err(LoadErrorKind::bad_reference(&map.file, LoadErrorKind::Directory).at(file, place));
             }
             Ok(image) => image,
             Err(LoadErrorKind::MissingReference { .. }) => {

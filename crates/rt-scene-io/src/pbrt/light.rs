@@ -141,12 +141,11 @@ fn spot(
 
 /// The mean radiance of a map of equal areas.
 fn mean_of_map(file: &str, files: FileScope<'_>) -> Result<Rgb, LoadErrorKind> {
-    let bad = |rule: String| LoadErrorKind::BadReference { reference: file.to_owned(), rule };
     let path = resolve_path(file, files.root_file, files.options)?;
-    let bitmap = read_texture(&path, files.options).map_err(|reason| bad(reason.to_string()))?;
+    let bitmap = read_texture(&path, files.options).map_err(|reason| LoadErrorKind::bad_reference(file, reason))?;
     if bitmap.width != bitmap.height {
         let rule = format!("has {}x{} pixels: maps all around must be square", bitmap.width, bitmap.height);
-        return Err(bad(rule));
+        return Err(LoadErrorKind::bad_reference(file, rule));
     }
     let sum = bitmap.pixels.iter().fold(Rgb::BLACK, |sum, pixel| sum + Rgb::from(pixel.map(f64::from)));
     Ok((sum / bitmap.pixels.len() as f64).map(|c| c.max(0.0)))

@@ -1,6 +1,7 @@
 //! The directives of a scene, one after the other.
 
 use std::collections::{BTreeMap, HashMap};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use rt_math::{Rgb, Transform};
@@ -371,21 +372,20 @@ impl<'f> PbrtReader<'f> {
 
     fn include(&mut self, is_import: bool, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
         let reference = tokens.text("the name of a file")?;
-        let bad =
-            |rule: String| LineError { line, kind: LoadErrorKind::BadReference { reference: reference.clone(), rule } };
+        let bad = |rule: &dyn Display| LineError { line, kind: LoadErrorKind::bad_reference(&reference, rule) };
         let path = resolve_path(&reference, self.files.root_file, self.files.options).in_line(line)?;
         let canonical = path.canonicalize().in_line(line)?;
         if self.open.contains(&canonical) {
-            return Err(bad("includes itself: remove one of the directives".to_owned()));
+            return Err(bad(&"includes itself: remove one of the directives"));
         }
         self.includes += 1;
         if self.open.len() > INCLUDE_DEPTH || self.includes > INCLUDES {
             let rule = format!("is one file too many: {INCLUDE_DEPTH} within each other and {INCLUDES} in all may be");
-            return Err(bad(rule));
+            return Err(bad(&rule));
         }
-        let text = read_text(&path, self.files.options).map_err(|reason| bad(reason.to_string()))?;
+        let text = read_text(&path, self.files.options).map_err(|reason| bad(&reason))?;
         let memory = self.files.options.memory.keep(format_args!("the file {}", path.display()), 3 * text.len() as u64);
-        memory.map_err(|reason| bad(reason.to_string()))?;
+        memory.map_err(|reason| bad(&reason))?;
         let (outer, state) = (std::mem::replace(&mut self.path, path), is_import.then(|| self.state.clone()));
         self.open.push(canonical);
         self.read(&text);

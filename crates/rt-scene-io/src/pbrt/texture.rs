@@ -207,9 +207,9 @@ impl PbrtTextures {
         if let Some(bitmap) = self.images.get(&key) {
             return Ok(Arc::clone(bitmap));
         }
-        let bad = |rule: String| LoadErrorKind::BadReference { reference: file.to_owned(), rule };
-        let bitmap = read_texture_as(&key.0, pixels, files.options).map_err(|reason| bad(reason.to_string()));
-        let bitmap = Arc::new(bitmap.in_line(line)?);
+        let bitmap = read_texture_as(&key.0, pixels, files.options);
+        let bitmap = bitmap.map_err(|reason| LoadErrorKind::bad_reference(file, reason)).in_line(line)?;
+        let bitmap = Arc::new(bitmap);
         self.count(&bitmap, line)?;
         self.images.insert(key, Arc::clone(&bitmap));
         Ok(bitmap)

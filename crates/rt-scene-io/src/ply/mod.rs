@@ -112,10 +112,9 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUv
     if corners.is_empty() {
         return Err(model.empty("has no usable triangles", path));
     }
-    let bad_face = |error| LoadErrorKind::from(error).at(path, "element face");
-    let mut data = mesh_data(&header, &vertices, &corners).map_err(bad_face)?;
+    let mut data = mesh_data(&header, &vertices, &corners).at(path, "element face")?;
     if missing_uvs == MissingUvs::PerFace && data.uvs.is_empty() {
-        lay_face_uvs(&mut data, &corners).map_err(bad_face)?;
+        lay_face_uvs(&mut data, &corners).at(path, "element face")?;
     }
     let is_colored = !data.colors.is_empty();
     let clamped = clamp_colors(&mut data.colors);

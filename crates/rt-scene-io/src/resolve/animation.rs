@@ -71,8 +71,7 @@ pub(super) fn posed_camera<'a>(
     let first_move = animation.keys.iter().position(|key| !key.transform.is_empty());
     if let Some(index) = first_move.filter(|_| looks) {
         let rule = "conflicts with `look_from`, `look_at` or `up` of this or another key: use one of them";
-        let reason = LoadErrorKind::invalid("the transform", rule);
-        return report.check(format_args!("{keys_path}.keys[{index}].transform"), Err(reason));
+        return report.refuse(format_args!("{keys_path}.keys[{index}].transform"), "the transform", rule);
     }
     let (rest, (world_from_camera, moves_to)) = if looks {
         let views = Views::read(report, &keys_path, camera, animation)?;
@@ -97,9 +96,10 @@ pub(super) fn posed_camera<'a>(
 
 /// Refuses `motion` together with `animation`.
 fn refuse_motion(report: &mut Diagnostics, path: &str, motion: &[Step]) -> Option<()> {
-    let rule = "conflicts with `animation`: remove one of them";
-    let absent = if motion.is_empty() { Ok(()) } else { Err(LoadErrorKind::invalid("the motion", rule)) };
-    report.check(format_args!("{path}.motion"), absent)
+    if motion.is_empty() {
+        return Some(());
+    }
+    report.refuse(format_args!("{path}.motion"), "the motion", "conflicts with `animation`: remove one of them")
 }
 
 fn timeline(
@@ -112,17 +112,17 @@ fn timeline(
     match Keyframes::new(times.clone(), interpolation.into()) {
         Ok(timeline) => Some(timeline),
         Err(KeyframesError::Empty) => {
-            let reason = LoadErrorKind::invalid("the animation", "has no keys: give one, or remove the animation");
-            report.check(format_args!("{path}.keys"), Err(reason))
+            let rule = "has no keys: give one, or remove the animation";
+            report.refuse(format_args!("{path}.keys"), "the animation", rule)
         }
         Err(KeyframesError::Time(index)) => {
-            let reason = LoadErrorKind::invalid(times[index], "is not a time in seconds of magnitude at most 1e60");
-            report.check(format_args!("{path}.keys[{index}].time"), Err(reason))
+            let rule = "is not a time in seconds of magnitude at most 1e60";
+            report.refuse(format_args!("{path}.keys[{index}].time"), times[index], rule)
         }
         Err(KeyframesError::Order(index)) => {
             let rule =
                 format!("does not come after {}, the time of the key before: order keys by time", times[index - 1]);
-            report.check(format_args!("{path}.keys[{index}].time"), Err(LoadErrorKind::invalid(times[index], rule)))
+            report.refuse(format_args!("{path}.keys[{index}].time"), times[index], rule)
         }
     }
 }
@@ -176,8 +176,7 @@ impl Views {
     fn read(report: &mut Diagnostics, path: &str, camera: &Camera, animation: &CameraAnimation) -> Option<Self> {
         if !camera.transform.is_empty() {
             let rule = "conflicts with `look_from`, `look_at` or `up` of its keys: remove one of them";
-            report
-                .check(format_args!("{path}.keys"), Err(LoadErrorKind::invalid("the transform of the camera", rule)))?;
+            return report.refuse(format_args!("{path}.keys"), "the transform of the camera", rule);
         }
         let mut views = Self { eyes: Vec::new(), targets: Vec::new(), ups: Vec::new() };
         for (i, key) in animation.keys.iter().enumerate() {

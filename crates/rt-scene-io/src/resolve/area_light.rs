@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rt_geometry::{CappedQuadric, Disk, InsideRule, Polygon, Shape, ShapeError, Sphere};
+use rt_geometry::{CappedQuadric, Disk, InsideRule, Polygon, Shape, Sphere};
 use rt_math::{DMat3, DVec3, Frame, Rgb, Transform};
 use rt_shading::light::EmissionSides;
 use rt_shading::{ColorTexture, MaterialModel};
@@ -11,7 +11,7 @@ use super::material::Materials;
 use super::value::{colour, direction, positive, vector};
 use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Content, LoadErrorKind, Material, SceneNode};
+use crate::{Content, Material, SceneNode};
 
 /// Nodes of all area lights; each has a material of its own.
 pub(super) fn nodes(
@@ -58,7 +58,6 @@ fn light_material(name: &str, radiance: Rgb, emission_sides: EmissionSides) -> M
 
 /// Shape and transform of a light. Errors are reported.
 fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option<(Shape, Transform)> {
-    let shape = |shape: Result<Shape, ShapeError>| shape.map_err(LoadErrorKind::from);
     match light {
         format::Light::Quad { corner, edges, .. } => {
             let corner = report.check(format_args!("{path}.corner"), vector(*corner));
@@ -66,32 +65,31 @@ fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
             let across = report.check(format_args!("{path}.edges"), vector(edges.1));
             let (corner, along, across) = (corner?, along?, across?);
             let outline = vec![corner, corner + along, corner + along + across, corner + across];
-            let polygon = Polygon::new(outline, Vec::new(), InsideRule::Convex).map_err(LoadErrorKind::from);
-            let polygon = report.check(path, polygon)?;
+            let polygon = report.check(path, Polygon::new(outline, Vec::new(), InsideRule::Convex))?;
             Some((Shape::Polygon(Arc::new(polygon)), Transform::IDENTITY))
         }
         format::Light::Disk { center, normal, radius, .. } => {
             let normal = report.check(format_args!("{path}.normal"), direction(*normal));
             let center = report.check(format_args!("{path}.center"), vector(*center));
-            let disk = positive(*radius).and_then(|radius| shape(Disk::new(radius, 0.0).map(Shape::Disk)));
+            let disk = positive(*radius).and_then(|radius| Ok(Disk::new(radius, 0.0)?));
             let disk = report.check(format_args!("{path}.radius"), disk)?;
-            Some((disk, upright(report, path, center?, normal?)?))
+            Some((Shape::Disk(disk), upright(report, path, center?, normal?)?))
         }
         format::Light::Sphere { center, radius, .. } => {
             let center = report.check(format_args!("{path}.center"), vector(*center))?;
-            let sphere = positive(*radius).and_then(|radius| shape(Sphere::new(center, radius).map(Shape::Sphere)));
-            Some((report.check(format_args!("{path}.radius"), sphere)?, Transform::IDENTITY))
+            let sphere = positive(*radius).and_then(|radius| Ok(Sphere::new(center, radius)?));
+            let sphere = report.check(format_args!("{path}.radius"), sphere)?;
+            Some((Shape::Sphere(sphere), Transform::IDENTITY))
         }
         format::Light::Cylinder { base, top, radius, caps, .. } => {
             let base = report.check(format_args!("{path}.base"), vector(*base));
             let top = report.check(format_args!("{path}.top"), vector(*top));
             let (base, top) = (base?, top?);
             let axis = report.check(format_args!("{path}.top"), direction((top - base).to_array()))?;
-            let cylinder = positive(*radius).and_then(|radius| {
-                shape(CappedQuadric::cylinder(radius, 0.0, (top - base).length(), *caps).map(Shape::Cylinder))
-            });
+            let cylinder = positive(*radius)
+                .and_then(|radius| Ok(CappedQuadric::cylinder(radius, 0.0, (top - base).length(), *caps)?));
             let cylinder = report.check(format_args!("{path}.radius"), cylinder)?;
-            Some((cylinder, upright(report, path, base, axis)?))
+            Some((Shape::Cylinder(cylinder), upright(report, path, base, axis)?))
         }
         _ => None,
     }
@@ -101,5 +99,5 @@ fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
 fn upright(report: &mut Diagnostics, path: &str, origin: DVec3, up: DVec3) -> Option<Transform> {
     let frame = Frame::from_z(up);
     let turn = DMat3::from_cols(frame.y, frame.z, frame.x);
-    report.check(path, Transform::from_linear(turn, origin).map_err(LoadErrorKind::from))
+    report.check(path, Transform::from_linear(turn, origin))
 }

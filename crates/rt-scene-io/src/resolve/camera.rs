@@ -51,8 +51,7 @@ fn settings(
     let camera = posed.as_ref().map_or(camera, |posed| &posed.camera);
     let projection = match (camera.orthographic, camera.fov) {
         (Some(_), Some(fov)) => {
-            let rule = "conflicts with `orthographic`: remove one of them";
-            report.check(format_args!("{path}.fov"), Err(LoadErrorKind::invalid(fov, rule)))
+            report.refuse(format_args!("{path}.fov"), fov, "conflicts with `orthographic`: remove one of them")
         }
         (Some(height), None) => report
             .check(format_args!("{path}.orthographic"), positive(height))
@@ -75,10 +74,11 @@ fn settings(
         None => None,
     };
     let (opens, closes) = camera.shutter.unwrap_or((0.0, 1.0));
-    let rule = "must open and close between 0 and 1, and not close before it opens";
-    let is_sound = 0.0 <= opens && opens <= closes && closes <= 1.0;
-    let refused = || LoadErrorKind::invalid(format_args!("the shutter, open from {opens} to {closes},"), rule);
-    report.check(format_args!("{path}.shutter"), is_sound.then_some(()).ok_or_else(refused))?;
+    if !(0.0 <= opens && opens <= closes && closes <= 1.0) {
+        let rule = "must open and close between 0 and 1, and not close before it opens";
+        let value = format_args!("the shutter, open from {opens} to {closes},");
+        return report.refuse(format_args!("{path}.shutter"), value, rule);
+    }
     Some(CameraSettings {
         moves_to: posed.moves_to,
         shutter: shutter.relative(camera.shutter),

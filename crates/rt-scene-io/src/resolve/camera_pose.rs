@@ -32,13 +32,13 @@ pub(super) fn place(report: &mut Diagnostics, path: &str, camera: &format::Camer
     if !camera.transform.is_empty() {
         if looks {
             let rule = "conflicts with `look_from`, `look_at` or `up`: remove one of them";
-            report.check(format_args!("{path}.transform"), Err(LoadErrorKind::invalid("the transform", rule)))?;
+            return report.refuse(format_args!("{path}.transform"), "the transform", rule);
         }
         return transform(report, path, &camera.transform);
     }
     let Some(look_from) = camera.look_from else {
         let rule = "is needed with `look_at` and `up`; omit all three for a camera that shows the whole scene";
-        return report.check(path, Err(LoadErrorKind::invalid("`look_from`", rule)));
+        return report.refuse(path, "`look_from`", rule);
     };
     let eye = report.check(format_args!("{path}.look_from"), vector(look_from));
     let target = report.check(format_args!("{path}.look_at"), vector(camera.look_at.unwrap_or([0.0; 3])));

@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use super::node::Objects;
 use crate::load_model::KNOWN_EXTENSIONS;
 use crate::memory::tree_bytes;
-use crate::{Content, LoadError, LoadErrorKind, MaterialId, MeshId, Model, SceneNode, load_model, resolve_path};
+use crate::{Content, Diagnostic, LoadErrorKind, MaterialId, MeshId, Model, SceneNode, load_model, resolve_path};
 
 impl Objects<'_> {
     /// The tree of a model file, with the materials of the model or all in the one that is given.
@@ -36,24 +36,21 @@ impl Objects<'_> {
             let rule = format!(
                 "is a scene file, and `model` takes {KNOWN_EXTENSIONS}; copy its nodes and materials into this scene"
             );
-            let refused = LoadErrorKind::BadReference { reference: reference.to_owned(), rule };
-            return self.report.check(format_args!("{path}.model"), Err(refused));
+            return self.report.check(format_args!("{path}.model"), Err(LoadErrorKind::bad_reference(reference, rule)));
         }
         match load_model(&file, &self.shutter.for_models(self.options)) {
             Ok(model) => Some(model),
             Err(error) => {
-                let refused = |rule: String| LoadErrorKind::BadReference { reference: reference.to_owned(), rule };
                 // An error of the reference, not of the content of a file.
-                let of_reference = match error.diagnostics() {
-                    _ if file.is_dir() => Some(LoadErrorKind::Directory.to_string()),
-                    [only] if matches!(only.kind, LoadErrorKind::UnknownFormat { .. }) => Some(only.kind.to_string()),
-                    _ => None,
+                let reason = match error.diagnostics() {
+                    _ if file.is_dir() => &LoadErrorKind::Directory,
+                    [Diagnostic { kind: kind @ LoadErrorKind::UnknownFormat { .. }, .. }] => kind,
+                    _ => {
+                        self.report.add(error.into_diagnostics());
+                        return None;
+                    }
                 };
-                match of_reference {
-                    Some(rule) => return self.report.check(format_args!("{path}.model"), Err(refused(rule))),
-                    None => self.report.add(LoadError::into_diagnostics(error)),
-                }
-                None
+                self.report.check(format_args!("{path}.model"), Err(LoadErrorKind::bad_reference(reference, reason)))
             }
         }
     }

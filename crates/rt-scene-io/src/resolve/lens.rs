@@ -22,7 +22,7 @@ pub(super) fn lens(
     let blades = match lens.blades {
         Some(blades @ 0..3) => {
             let rule = "is less than 3: give at least 3 blades, or omit the field for a round aperture";
-            report.check(format_args!("{path}.blades"), Err(LoadErrorKind::invalid(blades, rule)))
+            report.refuse(format_args!("{path}.blades"), blades, rule)
         }
         blades => Some(blades),
     };
@@ -36,7 +36,7 @@ fn radius(report: &mut Diagnostics, path: &str, lens: &format::Lens) -> Option<f
         (None, Some(f_stop), Some(focal_length)) => (f_stop, focal_length),
         _ => {
             let rule = "either as `radius`, or as `f_stop` with `focal_length`";
-            return report.check(path, Err(LoadErrorKind::invalid("the aperture must be given", rule)));
+            return report.refuse(path, "the aperture must be given", rule);
         }
     };
     let f_stop = report.check(format_args!("{path}.f_stop"), positive(f_stop));
@@ -55,15 +55,11 @@ fn focus(
         (Some(depth), None) => return report.check(format_args!("{path}.focus"), positive(depth)),
         (None, Some(point)) => (format!("{path}.focus_at"), point),
         (None, None) if camera.look_from.is_some() => (format!("{path}.focus"), camera.look_at.unwrap_or_default()),
-        (None, None) => {
-            let rule = "is needed with `transform`, or `focus_at`";
-            return report.check(path, Err(LoadErrorKind::invalid("`focus`", rule)));
-        }
+        (None, None) => return report.refuse(path, "`focus`", "is needed with `transform`, or `focus_at`"),
         (Some(_), Some(point)) => {
             let [x, y, z] = point;
             let rule = "conflicts with `focus`: remove one of them";
-            let reason = LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), rule);
-            return report.check(format_args!("{path}.focus_at"), Err(reason));
+            return report.refuse(format_args!("{path}.focus_at"), format_args!("({x}, {y}, {z})"), rule);
         }
     };
     let depth = -world_from_camera.inverse_point(report.check(&at, vector(point))?).z;

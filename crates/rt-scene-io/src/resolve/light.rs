@@ -86,7 +86,7 @@ pub(super) fn background(
         let light = colour(scale).and_then(|scale| {
             let light =
                 read_environment(&textures.path(file)?, scale, coordinate(*rotate)?.to_radians(), textures.options);
-            light.map_err(|reason| LoadErrorKind::BadReference { reference: file.clone(), rule: reason.to_string() })
+            light.map_err(|reason| LoadErrorKind::bad_reference(file, reason))
         });
         let black = Background::Constant(Rgb::BLACK);
         return report.check("background", light).map_or(black, |light| Background::Environment(Arc::new(light)));

@@ -44,8 +44,7 @@ impl ModelReader<'_, '_> {
             // A `phong` material cannot be part of a mix.
             format::Material::Phong { .. } => {
                 let rule = "cannot be part of a mix: use `diffuse`, `glossy`, `mirror` or another physical material";
-                self.report.check::<()>(path, Err(LoadErrorKind::invalid("a `phong` material", rule)));
-                None
+                self.report.refuse(path, "a `phong` material", rule)
             }
             format::Material::Diffuse { albedo, roughness, emission } => {
                 let albedo = self.reflectance(path, "albedo", albedo)?;
@@ -128,8 +127,7 @@ impl ModelReader<'_, '_> {
     fn mix(&mut self, path: &str, parts: &[(f64, format::Material)]) -> Option<EmissiveModel> {
         if parts.is_empty() || parts.len() > MAX_LOBES {
             let rule = format!("must have 1 to {MAX_LOBES}");
-            self.report.check::<()>(path, Err(LoadErrorKind::invalid(format_args!("{} materials", parts.len()), rule)));
-            return None;
+            return self.report.refuse(path, format_args!("{} materials", parts.len()), rule);
         }
         let mut sum = EmissiveModel::from(MaterialModel::Black);
         let mut mixed = Vec::with_capacity(parts.len());
@@ -137,9 +135,7 @@ impl ModelReader<'_, '_> {
             let at = format!("{path}[{i}]");
             let weight = self.report.check(&at, not_negative(*weight))?;
             if matches!(part, format::Material::Glass { .. } | format::Material::Mix(_)) {
-                let rule = "cannot be part of a mix";
-                self.report.check::<()>(&at, Err(LoadErrorKind::invalid("glass or another mix", rule)));
-                return None;
+                return self.report.refuse(&at, "glass or another mix", "cannot be part of a mix");
             }
             let part = self.model(&at, part)?;
             if !part.emission.is_zero() {
@@ -154,8 +150,7 @@ impl ModelReader<'_, '_> {
         let lobes: usize = mixed.iter().map(|(_, part)| part.lobes()).sum();
         if lobes > MAX_LOBES {
             let rule = format!("must be at most {MAX_LOBES}: a `glossy` material with a diffuse part has two");
-            self.report.check::<()>(path, Err(LoadErrorKind::invalid(format_args!("{lobes} lobes"), rule)));
-            return None;
+            return self.report.refuse(path, format_args!("{lobes} lobes"), rule);
         }
         Some(EmissiveModel { model: MaterialModel::Mix(mixed), ..sum })
     }
@@ -163,14 +158,13 @@ impl ModelReader<'_, '_> {
     /// Reads a reflectance. A constant above 1 would create energy.
     fn reflectance(&mut self, path: &str, field: &str, value: &format::ColorTexture) -> Option<ColorTexture> {
         let part = self.coefficient(path, field, value)?;
-        let checked = match part {
+        match part {
             ColorTexture::Constant(rgb) if rgb.max_component() > 1.0 => {
                 let rule = "exceeds 1 and would create energy: each component must lie between 0 and 1";
-                Err(LoadErrorKind::invalid(rgb.max_component(), rule))
+                self.report.refuse(format_args!("{path}.{field}"), rgb.max_component(), rule)
             }
-            part => Ok(part),
-        };
-        self.report.check(format_args!("{path}.{field}"), checked)
+            part => Some(part),
+        }
     }
 
     fn coefficient(&mut self, path: &str, field: &str, value: &format::ColorTexture) -> Option<ColorTexture> {

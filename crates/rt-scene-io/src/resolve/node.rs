@@ -129,8 +129,7 @@ impl<'a> Objects<'a> {
             (None, None, Some(group)) => placed.content = Some(Content::Instance(self.instance(path, group, node)?)),
             _ => {
                 let rule = "are given at one node: move all but one to its `children`";
-                self.report
-                    .check::<()>(path, Err(LoadErrorKind::invalid("two of `shape`, `model` and `instance`", rule)));
+                self.report.refuse::<()>(path, "two of `shape`, `model` and `instance`", rule);
             }
         }
         if own.is_some() && node.shape.is_none() && node.model.is_none() {
@@ -210,7 +209,7 @@ impl<'a> Objects<'a> {
     fn instance(&mut self, path: &str, group: &str, node: &format::Node) -> Option<GroupId> {
         if node.material.is_some() {
             let rule = "has no effect on an `instance`: set it on the nodes of the group";
-            self.report.check::<()>(format_args!("{path}.material"), Err(LoadErrorKind::invalid("the material", rule)));
+            self.report.refuse::<()>(format_args!("{path}.material"), "the material", rule);
         }
         // Of groups that contain each other, none is resolved, and all are named in an error.
         if self.file.groups.contains_key(group) && !self.group_ids.contains_key(group) {

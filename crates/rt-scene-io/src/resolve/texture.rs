@@ -53,10 +53,8 @@ impl<'a> Textures<'a> {
         if let Some(&id) = self.images.get(&key) {
             return Ok(id);
         }
-        let bitmap = read_texture(&key.0, self.options).map_err(|reason| LoadErrorKind::BadReference {
-            reference: reference.to_owned(),
-            rule: reason.to_string(),
-        })?;
+        let bitmap = read_texture(&key.0, self.options);
+        let bitmap = bitmap.map_err(|reason| LoadErrorKind::bad_reference(reference, reason))?;
         let id = self.add(Texture::Image { bitmap: Arc::new(bitmap), wrap: [wrap.into(); 2], smooth });
         self.images.insert(key, id);
         Ok(id)
