@@ -249,6 +249,24 @@ mod tests {
         DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 }
     }
 
+    fn spot(direction: DVec3, cos_inner: f64, cos_outer: f64) -> DeltaLightKind {
+        DeltaLightKind::Spot {
+            position: DVec3::Y * 9.0,
+            direction,
+            cos_inner,
+            cos_outer,
+            falloff: Falloff::InverseSquare,
+        }
+    }
+
+    /// Cosines of the inner and outer angle of the first light, which is a spot.
+    fn cone(scene: &Scene) -> [f64; 2] {
+        match scene.appearance.lights[0].kind {
+            DeltaLightKind::Spot { cos_inner, cos_outer, .. } => [cos_inner, cos_outer],
+            ref other => panic!("{other:?}"),
+        }
+    }
+
     #[test]
     fn exposure_takes_the_light_of_a_model_to_white() {
         let sun = DeltaLightKind::Directional { direction: DVec3::NEG_Y };
@@ -269,38 +287,18 @@ mod tests {
 
     #[test]
     fn lights_that_reach_nothing_leave_the_exposure_alone() {
-        let up = DVec3::Y;
-        let away = DeltaLightKind::Spot {
-            position: up * 9.0,
-            direction: up,
-            cos_inner: 0.9,
-            cos_outer: 0.8,
-            falloff: Falloff::InverseSquare,
-        };
-        let scene = scene(lit(&[away], 100.0), false);
+        let scene = scene(lit(&[spot(DVec3::Y, 0.9, 0.8)], 100.0), false);
         assert_eq!(scene.film.development.exposure, 0.0);
-        let DeltaLightKind::Spot { cos_inner, cos_outer, .. } = scene.appearance.lights[0].kind else {
-            panic!("a spot")
-        };
-        assert!((cos_inner - 0.9).abs() < 1e-15 && (cos_outer - 0.8).abs() < 1e-15);
+        let [inner, outer] = cone(&scene);
+        assert!((inner - 0.9).abs() < 1e-15 && (outer - 0.8).abs() < 1e-15);
     }
 
     #[test]
     fn spots_with_a_sharp_edge_are_written_and_read() {
         for degrees in 1..=90 {
             let cos_outer = transcendental::cos(f64::from(degrees).to_radians()).max(0.0);
-            let sharp = DeltaLightKind::Spot {
-                position: DVec3::Y * 9.0,
-                direction: DVec3::NEG_Y,
-                cos_inner: cos_outer.next_up(),
-                cos_outer,
-                falloff: Falloff::InverseSquare,
-            };
-            let DeltaLightKind::Spot { cos_inner: inner, cos_outer: outer, .. } =
-                scene(lit(&[sharp], 100.0), false).appearance.lights[0].kind
-            else {
-                panic!("a spot")
-            };
+            let sharp = spot(DVec3::NEG_Y, cos_outer.next_up(), cos_outer);
+            let [inner, outer] = cone(&scene(lit(&[sharp], 100.0), false));
             assert!(outer < inner && inner - outer < 1e-9, "{degrees}°: {inner} {outer}");
             assert!((outer - cos_outer).abs() < 1e-9, "{degrees}°: {outer}");
         }

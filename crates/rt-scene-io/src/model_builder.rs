@@ -59,3 +59,16 @@ impl Model {
         Ok(())
     }
 }
+
+/// What tests read.
+#[cfg(test)]
+impl Model {
+    pub(crate) fn mesh_data(&self, mesh: usize) -> &rt_geometry::MeshData {
+        self.meshes[mesh].mesh.data()
+    }
+
+    /// Its warnings, without their places.
+    pub(crate) fn messages(&self) -> Vec<&str> {
+        self.warnings.iter().map(|warning| warning.message.as_str()).collect()
+    }
+}

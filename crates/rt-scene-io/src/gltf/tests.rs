@@ -29,15 +29,22 @@ const ARRAYS: &str = r#""bufferViews": [
 
 const MESH: &str = r#"{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}"#;
 
+/// The same with the first material.
+const TEXTURED: &str = r#"{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0, "indices": 2}"#;
+
 fn load_with(primitives: &str, rest: &str) -> Result<Model, LoadError> {
     let json = format!(
         r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 62}}], {ARRAYS},
             "meshes": [{{"name": "square", "primitives": [{primitives}]}}], {rest}}}"#
     );
+    load_glb(json, &square(), &LoadOptions::default())
+}
+
+fn load_glb(json: String, binary: &[u8], options: &LoadOptions) -> Result<Model, LoadError> {
     let mut json = json.into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
-    let file = container::tests::glb(&[(b"JSON", &json), (b"BIN\0", &square())]);
-    load_bytes(&file, Path::new("m.glb"), &LoadOptions::default())
+    let file = container::tests::glb(&[(b"JSON", &json), (b"BIN\0", binary)]);
+    load_bytes(&file, Path::new("m.glb"), options)
 }
 
 fn load_nodes(rest: &str) -> Model {
@@ -52,7 +59,7 @@ fn refused(rest: &str) -> String {
 fn attributes_of_unknown_names_are_not_met_by_a_panic_when_room_is_reserved() {
     let named = r#"{"attributes": {"POSITION": 0, "COLOUR": 0, "_OWN": 0}, "indices": 2}"#;
     let model = load_with(named, r#""nodes": [{"mesh": 0}]"#).expect("a model");
-    assert_eq!(model.meshes[0].mesh.data().triangles.len(), 2);
+    assert_eq!(model.mesh_data(0).triangles.len(), 2);
 }
 
 #[test]
@@ -65,8 +72,8 @@ fn instances_share_their_mesh() {
     assert!(children.iter().all(|node| node.content == Some(Content::Mesh(MeshId(0)))));
     assert_eq!(children[0].parent_from_local.point(DVec3::ZERO), DVec3::new(1.0, 2.0, 3.0));
     assert_eq!(children[1].parent_from_local.point(DVec3::ONE), DVec3::splat(2.0));
-    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [0, 2, 3]]);
-    assert!(model.meshes[0].mesh.data().uvs.is_empty(), "no texture reads them");
+    assert_eq!(model.mesh_data(0).triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert!(model.mesh_data(0).uvs.is_empty(), "no texture reads them");
 }
 
 #[test]
@@ -77,26 +84,30 @@ fn primitives_become_nodes_with_their_materials() {
     let model = load_with(&two, rest).expect("a model");
     let [strip] = &model.nodes[0].children[1..] else { panic!("two primitives") };
     assert_eq!((&strip.content, strip.material), (&Some(Content::Mesh(MeshId(1))), MaterialId(1)));
-    assert_eq!(model.meshes[1].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+    assert_eq!(model.mesh_data(1).triangles, [[0, 1, 2], [1, 3, 2]]);
     assert_eq!(model.materials[1].to_phong().diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
+}
+
+/// Data URI of a red image.
+fn red_png() -> String {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_pixel(2, 1, image::Rgb([255, 0, 0]));
+    image.write_to(&mut png, image::ImageFormat::Png).expect("a png");
+    let bytes = png.into_inner().iter().map(|byte| format!("%{byte:02x}")).collect::<String>();
+    format!("data:image/png,{bytes}")
 }
 
 #[test]
 fn images_are_read_from_data_uris_at_the_given_coordinates() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0]))
-        .write_to(&mut png, image::ImageFormat::Png)
-        .expect("a png");
-    let uri: String = png.into_inner().iter().map(|byte| format!("%{byte:02x}")).collect();
-    let textured = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
     let rest = format!(
-        r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "data:image/png,{uri}"}}],
+        r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "{}"}}],
             "samplers": [{{"wrapS": 33071, "magFilter": 9728}}], "textures": [{{"source": 0, "sampler": 0}}],
             "materials": [{{"pbrMetallicRoughness": {{"metallicFactor": 0, "baseColorTexture": {{"index": 0,
-                "extensions": {{"KHR_texture_transform": {{"scale": [2, 1], "offset": [0.5, 0]}}}}}}}}}}]"#
+                "extensions": {{"KHR_texture_transform": {{"scale": [2, 1], "offset": [0.5, 0]}}}}}}}}}}]"#,
+        red_png()
     );
-    let model = load_with(&textured, &rest).expect("a model");
-    assert_eq!(model.meshes[0].mesh.data().uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    let model = load_with(TEXTURED, &rest).expect("a model");
+    assert_eq!(model.mesh_data(0).uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
     let rt_shading::Texture::Mapped { texture, map } = &model.textures[0] else { panic!("mapped") };
     assert_eq!((map.rows, map.is_second), ([[2.0, 0.0, 0.5], [0.0, 1.0, 0.0]], false));
     let rt_shading::Texture::Image { bitmap, wrap, smooth } = &**texture else { panic!("an image") };
@@ -108,15 +119,12 @@ fn images_are_read_from_data_uris_at_the_given_coordinates() {
 /// The image of the summed colours had neither the transform of its texture nor vertex colours.
 #[test]
 fn specular_glossiness_keeps_transforms_sets_and_vertex_colours_as_phong() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    let image = image::RgbImage::from_pixel(2, 1, image::Rgb([255, 0, 0]));
-    image.write_to(&mut png, image::ImageFormat::Png).expect("a png");
-    let uri: String = png.into_inner().iter().map(|byte| format!("%{byte:02x}")).collect();
+    let uri = red_png();
     let base_color = |attributes: &str, textures: &str| {
         let primitive =
             format!(r#"{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1{attributes}}}, "indices": 2, "material": 0}}"#);
         let rest = format!(
-            r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "data:image/png,{uri}"}}], "textures": [{{"source": 0}}],
+            r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "{uri}"}}], "textures": [{{"source": 0}}],
                 "materials": [{{"extensions": {{"KHR_materials_pbrSpecularGlossiness": {{
                     "specularFactor": [0, 0, 0], {textures}}}}}}}]"#
         );
@@ -142,17 +150,14 @@ fn specular_glossiness_keeps_transforms_sets_and_vertex_colours_as_phong() {
 /// Their texture coordinates were read only for textures: without one, the surface was isotropic.
 #[test]
 fn anisotropy_without_tangents_and_textures_runs_along_the_first_texture_coordinates() {
-    let load = |mesh: &str| {
-        let rest = r#""nodes": [{"mesh": 0}],
-            "materials": [{"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}}]"#;
-        load_with(&mesh.replace("\"indices\"", "\"material\": 0, \"indices\""), rest).expect("a model")
-    };
-    let model = load(MESH);
-    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
-    assert!(model.meshes[0].mesh.data().uvs.is_empty(), "no texture reads them");
+    let rest = r#""nodes": [{"mesh": 0}],
+        "materials": [{"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}}]"#;
+    let model = load_with(TEXTURED, rest).expect("a model");
+    assert_eq!(model.mesh_data(0).tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
+    assert!(model.mesh_data(0).uvs.is_empty(), "no texture reads them");
     assert_eq!(model.warnings, []);
-    let model = load(r#"{"attributes": {"POSITION": 0}, "indices": 2}"#);
-    assert!(model.meshes[0].mesh.data().tangents.is_empty());
+    let model = load_with(&TEXTURED.replace(r#", "TEXCOORD_0": 1"#, ""), rest).expect("a model");
+    assert!(model.mesh_data(0).tangents.is_empty());
     assert_eq!(model.warnings[0].message, "its normal map or anisotropy needs tangents or TEXCOORD_0: it is left out");
 }
 
@@ -179,14 +184,13 @@ fn accessors_without_a_buffer_are_limited_in_their_sum() {
 
 /// A material with KHR_materials_transmission and KHR_materials_volume.
 fn volume(base_color: &str, metallic: f64, transmission: f64, thickness: f64) -> rt_shading::Material {
-    let primitive = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
     let rest = format!(
         r#""nodes": [{{"mesh": 0}}], "materials": [{{
             "pbrMetallicRoughness": {{"metallicFactor": {metallic}, "baseColorFactor": {base_color}}},
             "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": {transmission}}},
                 "KHR_materials_volume": {{"thicknessFactor": {thickness}}}}}}}]"#
     );
-    load_with(&primitive, &rest).expect("a model").materials[0].clone()
+    load_with(TEXTURED, &rest).expect("a model").materials[0].clone()
 }
 
 #[test]
@@ -283,7 +287,7 @@ fn bad_arrays_are_refused() {
 #[test]
 fn arrays_without_indices_run_in_order() {
     let model = load_with(r#"{"attributes": {"POSITION": 0}, "mode": 6}"#, r#""nodes": [{"mesh": 0}]"#).expect("a fan");
-    let data = model.meshes[0].mesh.data();
+    let data = model.mesh_data(0);
     assert_eq!(data.triangles, [[1, 2, 0], [2, 3, 0]]);
     assert_eq!(data.positions[2], Vec3::new(1.0, 1.0, 0.0));
     assert!(data.normals.is_empty(), "flat, as the specification asks");
@@ -307,6 +311,11 @@ impl Arrays {
         let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
         self.push(kind, 5126, numbers.len(), &bytes);
         self
+    }
+
+    /// A triangle that follows the first joint of its skin, by the accessors 1 and 2.
+    fn skinned() -> Self {
+        Self::triangle().with_bytes("VEC4", &[0; 12]).with("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3))
     }
 
     fn with_bytes(mut self, kind: &str, bytes: &[u8]) -> Self {
@@ -336,17 +345,18 @@ impl Arrays {
     }
 
     fn load(&self, rest: &str, options: &LoadOptions) -> Result<Model, LoadError> {
-        let mut json = format!(
+        let json = format!(
             r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": {}}}], "bufferViews": [{}],
                 "accessors": [{}], {rest}}}"#,
             self.bytes.len(),
             self.views.join(","),
             self.accessors.join(",")
-        )
-        .into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let file = container::tests::glb(&[(b"JSON", &json), (b"BIN\0", &self.bytes)]);
-        load_bytes(&file, Path::new("m.glb"), options)
+        );
+        load_glb(json, &self.bytes, options)
+    }
+
+    fn refused(&self, rest: &str, options: &LoadOptions) -> String {
+        self.load(rest, options).expect_err("a bad model").to_string()
     }
 
     fn model(&self, rest: &str) -> Model {
@@ -376,15 +386,14 @@ fn instances_of_a_node_share_its_mesh() {
     assert_eq!(second.parent_from_local.point(DVec3::ONE), DVec3::new(7.0, 2.0, 2.0));
     assert!(model.warnings[0].message.starts_with("1 of its instances have an invalid transform"));
     let refused = |attributes: &str| {
-        let rest = rest.replace(r#""TRANSLATION": 1, "SCALE": 2"#, attributes);
-        arrays.load(&rest, &LoadOptions::default()).expect_err("bad instances").to_string()
+        arrays.refused(&rest.replace(r#""TRANSLATION": 1, "SCALE": 2"#, attributes), &LoadOptions::default())
     };
     assert!(refused(r#""TRANSLATION": 7"#).contains("there is no accessor 7"));
     assert!(refused(r#""_OTHER": 1"#).contains("has none of TRANSLATION, ROTATION and SCALE"));
     let shorter = arrays.accessors[2].replace("\"count\": 3", "\"count\": 2");
     let accessors = vec![arrays.accessors[0].clone(), arrays.accessors[1].clone(), shorter];
     let arrays = Arrays { bytes: arrays.bytes.clone(), views: arrays.views.clone(), accessors };
-    let error = arrays.load(&rest, &LoadOptions::default()).expect_err("counts").to_string();
+    let error = arrays.refused(&rest, &LoadOptions::default());
     assert!(error.starts_with("m.glb: nodes[0].extensions.EXT_mesh_gpu_instancing: the counts"), "{error}");
 }
 
@@ -399,10 +408,9 @@ fn variants_choose_the_material() {
         |options: &LoadOptions| Arrays::triangle().load(rest, options).expect("a model").materials[0].name.clone();
     assert_eq!(shown(&LoadOptions::default()), "white");
     assert_eq!((shown(&with("day")), shown(&with("night"))), ("white".to_owned(), "black".to_owned()));
-    let error = Arrays::triangle().load(rest, &with("knight")).expect_err("unknown").to_string();
+    let error = Arrays::triangle().refused(rest, &with("knight"));
     assert!(error.contains("unknown variant `knight`; did you mean `night`? Known are `day`, `night`"), "{error}");
-    let beyond = rest.replace("\"material\": 1", "\"material\": 2");
-    let error = Arrays::triangle().load(&beyond, &with("night")).expect_err("no material 2").to_string();
+    let error = Arrays::triangle().refused(&rest.replace("\"material\": 1", "\"material\": 2"), &with("night"));
     assert!(error.contains("2 is not the index of a material; there are 2"), "{error}");
 }
 
@@ -417,13 +425,12 @@ fn messages_about_long_references_are_short() {
         let message = error.to_string();
         assert!(message.contains("m.gltf: buffers[0].uri: `") && message.len() < 700, "{message}");
     }
-    let textured = MESH.replace("\"indices\"", "\"material\": 0, \"indices\"");
     let rest = format!(
         r#""nodes": [{{"mesh": 0}}], "images": [{{"uri": "{}.png"}}], "textures": [{{"source": 0}}],
             "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}]"#,
         "folder/".repeat(100)
     );
-    let model = load_with(&textured, &rest).expect("a model");
+    let model = load_with(TEXTURED, &rest).expect("a model");
     let message = &model.warnings[0].message;
     assert!(message.ends_with("the plain colour is used") && message.len() < 500, "{message}");
 }

@@ -62,14 +62,14 @@ fn many_polygons_of_a_fill_become_one_mesh() {
     let quads: String = (0..40).map(|x| format!("p 4 {x} 0 0 {} 0 0 {} 1 0 {x} 1 0\n", x + 1, x + 1)).collect();
     let model = load_text(&format!("{FILL}{quads}")).expect("a model");
     assert_eq!((model.nodes.len(), model.meshes.len()), (1, 1));
-    let data = model.meshes[0].mesh.data();
+    let data = model.mesh_data(0);
     assert_eq!((data.triangles.len(), data.positions.len()), (80, 82));
 }
 
 #[test]
 fn patches_have_normals() {
     let model = load_text(&format!("{FILL}pp 3\n0 0 0 0 0 1\n1 0 0 1 0 1\n0 1 0 0 0 1\n")).expect("a model");
-    assert_eq!(model.meshes[0].mesh.data().normals.len(), 3);
+    assert_eq!(model.mesh_data(0).normals.len(), 3);
     assert_eq!(model.nodes[0].name, "patches of fill 1");
 }
 

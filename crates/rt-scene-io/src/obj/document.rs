@@ -353,23 +353,17 @@ mod tests {
 
     #[test]
     fn indices_out_of_range_are_refused_with_their_line() {
-        assert_eq!(
-            refused("f 1 2 5"),
-            "7: vertex 5 of the face is out of range: 4 come before it (indices start at 1)"
-        );
-        assert_eq!(
-            refused("\nf 0 1 2"),
-            "8: vertex 0 of the face is out of range: 4 come before it (indices start at 1)"
-        );
-        assert_eq!(
-            refused("f 1 2 -5"),
-            "7: vertex -5 of the face is out of range: 4 come before it (indices start at 1)"
-        );
-        let min = i64::MIN;
-        assert!(refused(&format!("f 1 2 {min}")).starts_with("7: vertex "));
-        assert_eq!(refused("f 1 2 9223372036854775808"), "7: `9223372036854775808` is not a whole number of 64 bits");
-        assert_eq!(refused("f 1/1/1/1 2 3"), "7: `1/1/1/1` is not a corner of a face");
-        assert_eq!(refused("f 1 2 /1"), "7: the corner `/1` has no vertex index");
+        for (face, expected) in [
+            ("f 1 2 5", "7: vertex 5 of the face is out of range: 4 come before it (indices start at 1)"),
+            ("\nf 0 1 2", "8: vertex 0 of the face is out of range: 4 come before it (indices start at 1)"),
+            ("f 1 2 -5", "7: vertex -5 of the face is out of range: 4 come before it (indices start at 1)"),
+            ("f 1 2 9223372036854775808", "7: `9223372036854775808` is not a whole number of 64 bits"),
+            ("f 1/1/1/1 2 3", "7: `1/1/1/1` is not a corner of a face"),
+            ("f 1 2 /1", "7: the corner `/1` has no vertex index"),
+        ] {
+            assert_eq!(refused(face), expected);
+        }
+        assert!(refused(&format!("f 1 2 {}", i64::MIN)).starts_with("7: vertex "));
     }
 
     #[test]

@@ -259,6 +259,10 @@ mod tests {
         material(&mtl(text), MaterialMaps::default(), &[])
     }
 
+    fn physical(text: &str) -> Option<MaterialModel> {
+        physically_based(&mtl(text), MaterialMaps::default(), &[])
+    }
+
     fn gray(value: f64) -> ColorTexture {
         ColorTexture::Constant(Rgb::gray(value))
     }
@@ -304,17 +308,16 @@ mod tests {
 
     #[test]
     fn roughness_and_metalness_make_a_physical_surface() {
-        let of = |text: &str| physically_based(&mtl(text), MaterialMaps::default(), &[]);
-        assert_eq!(of("Kd 0.5\nNs 100"), None);
+        assert_eq!(physical("Kd 0.5\nNs 100"), None);
         let metal =
             |metallic, roughness| MaterialModel::MetallicRoughness { base_color: gray(0.5), metallic, roughness };
-        assert_eq!(of("Kd 0.5\nPr 0.25\nPm 1"), Some(metal(1.0, 0.25)));
-        assert_eq!(of("Kd 0.5\npm 7"), Some(metal(1.0, 0.5)));
+        assert_eq!(physical("Kd 0.5\nPr 0.25\nPm 1"), Some(metal(1.0, 0.25)));
+        assert_eq!(physical("Kd 0.5\npm 7"), Some(metal(1.0, 0.5)));
         let glass = MaterialModel::Dielectric {
             roughness: 0.0,
             transmittance: ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0)),
         };
-        assert_eq!(of("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
+        assert_eq!(physical("Pr 0\nillum 7\nTf 1 0.5 0"), Some(glass));
         let (veil, none) = (mtl("Kd 0.5\nPr 0\nd 0.75"), MaterialMaps::default());
         assert_eq!(physically_based(&veil, none, &[]), Some(metal(0.0, 0.0)));
         assert_eq!((alpha(&veil, none).mode, alpha(&veil, none).factor), (AlphaMode::Blend, 0.75));
@@ -336,20 +339,14 @@ mod tests {
         assert!(layers.clearcoat.is_zero() && layers.sheen_color.is_zero());
 
         let text = "Kd 0.5\nPc 0.75\nPcr 0.1\nPs 0.5\naniso 0.25\nanisor 0.25";
-        let Some(MaterialModel::Layered(layers)) = physically_based(&mtl(text), MaterialMaps::default(), &[]) else {
-            panic!("layers")
-        };
+        let Some(MaterialModel::Layered(layers)) = physical(text) else { panic!("layers") };
         assert_eq!(
             (layers.clearcoat, layers.clearcoat_roughness),
             (FloatTexture::Constant(0.75), FloatTexture::Constant(0.1))
         );
         assert_eq!((layers.sheen_color, layers.anisotropy), (gray(0.5), FloatTexture::Constant(0.25)));
         assert_eq!(layers.anisotropy_rotation, TAU / 4.0);
-        assert_eq!(
-            physically_based(&mtl("Kd 0.5\nPs 0\nPc 0\naniso 0"), MaterialMaps::default(), &[]),
-            None,
-            "written by default"
-        );
+        assert_eq!(physical("Kd 0.5\nPs 0\nPc 0\naniso 0"), None, "written by default");
     }
 
     #[test]

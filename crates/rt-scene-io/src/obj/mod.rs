@@ -187,37 +187,51 @@ fn faces(mesh: &tobj::Mesh) -> impl Iterator<Item = Face<'_>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load_model;
     use rt_math::Rgb;
     use rt_shading::{Channel, ColorTexture, FloatTexture, LayeredBase, MaterialModel, Texture, TextureId};
     use std::fs;
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-    fn load_file(path: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
-        load(path, &options.rooted_at(path))
-    }
-
     fn load_text(text: &str) -> Result<Model, LoadError> {
         load_bytes(text.as_bytes(), Path::new("m.obj"), &LoadOptions::default())
+    }
+
+    fn good(text: &str) -> Model {
+        load_text(text).expect("a model")
     }
 
     fn refused(text: &str) -> String {
         load_text(text).expect_err("a bad file").to_string()
     }
 
-    fn messages(model: &Model) -> Vec<String> {
-        model.warnings.iter().map(|w| format!("{}: {}", w.place, w.message)).collect()
+    fn warnings(model: &Model) -> Vec<String> {
+        model.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    /// The model of a file with a library. Its images are `n.png`, with (0.2, 0.4, 0.8) everywhere, and the heights `h.png`,
+    /// which rise to the right and, less steeply, downwards.
+    fn load_with_library(mtl: &str, text: &str) -> Model {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = |name: &str| folder.path().join(name);
+        image::RgbImage::from_pixel(2, 1, image::Rgb([51, 102, 204])).save(place("n.png")).expect("written");
+        let heights = image::GrayImage::from_fn(3, 3, |x, y| image::Luma([100 * x as u8 + 20 * y as u8]));
+        heights.save(place("h.png")).expect("written");
+        fs::write(place("m.mtl"), mtl).expect("written");
+        fs::write(place("m.obj"), format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\n{text}")).expect("written");
+        load_model(&place("m.obj"), &LoadOptions::default()).expect("a model")
     }
 
     #[test]
     fn objects_and_materials_become_nodes() {
-        let model = load_text(&format!("{SQUARE}o a\nf 1 2 3\nusemtl m\nf 1 3 4\no b\nf 1 2 3 4\n")).expect("a model");
+        let model = good(&format!("{SQUARE}o a\nf 1 2 3\nusemtl m\nf 1 3 4\no b\nf 1 2 3 4\n"));
         let names: Vec<_> = model.nodes.iter().map(|n| (n.name.as_str(), n.material.0)).collect();
         assert_eq!(names, [("a", 0), ("a", 1), ("b", 1)]);
         let sizes: Vec<_> = model.meshes.iter().map(|m| m.mesh.data().triangles.len()).collect();
         assert_eq!(sizes, [1, 1, 2]);
         assert_eq!(
-            messages(&model),
+            warnings(&model),
             ["m.obj: the material `m` is not defined in a library (there are none); plain grey is used"]
         );
     }
@@ -227,8 +241,8 @@ mod tests {
         let text = format!(
             "{SQUARE}vt 0 0\nvt 1 1\nvn 0 0 2\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/1/1 4/2/1\nf 1/2/1 2/2/1 3/1/1\n"
         );
-        let model = load_text(&text).expect("a model");
-        let data = model.meshes[0].mesh.data();
+        let model = good(&text);
+        let data = model.mesh_data(0);
         assert_eq!(data.triangles, [[0, 1, 2], [0, 2, 3], [4, 1, 2]]);
         assert_eq!(data.positions[4], data.positions[0]);
         assert_eq!((data.uvs[0], data.uvs[4]), ([0.0, 0.0], [1.0, 1.0]));
@@ -239,12 +253,12 @@ mod tests {
     fn colours_of_vertices_tint_the_material() {
         let text =
             "v 0 0 0 1 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\no white\nf 4 5 6\n";
-        let model = load_text(text).expect("a model");
-        let colors = &model.meshes[0].mesh.data().colors;
+        let model = good(text);
+        let colors = &model.mesh_data(0).colors;
         assert_eq!((colors[0], colors[2]), ([1.0, 0.0, 0.0, 1.0], [1.0; 4]));
         // The sRGB curve takes 1/2 to 0.214.
         assert!((colors[1][0] - 0.214_041).abs() < 1e-6 && colors[1][3] == 1.0, "{colors:?}");
-        assert!(model.meshes[1].mesh.data().colors.is_empty());
+        assert!(model.mesh_data(1).colors.is_empty());
         let diffuse = |node: usize| model.materials[model.nodes[node].material.0 as usize].to_phong().diffuse;
         assert!(matches!(diffuse(0), ColorTexture::Textured(TextureId(0), _)));
         assert_eq!(model.textures, [Texture::VertexColor(None)]);
@@ -255,17 +269,17 @@ mod tests {
     #[test]
     fn white_colours_of_vertices_are_kept() {
         let white = "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n";
-        let model = load_text(white).expect("a model");
-        assert_eq!(model.meshes[0].mesh.data().colors, [[1.0; 4]; 3]);
+        let model = good(white);
+        assert_eq!(model.mesh_data(0).colors, [[1.0; 4]; 3]);
         assert_eq!(model.textures, [Texture::VertexColor(None)]);
-        let plain = load_text(&white.replace(" 1 1 1", "")).expect("a model");
-        assert!(plain.meshes[0].mesh.data().colors.is_empty());
+        let plain = good(&white.replace(" 1 1 1", ""));
+        assert!(plain.mesh_data(0).colors.is_empty());
     }
 
     #[test]
     fn a_concave_face_covers_its_own_area_only() {
-        let model = load_text("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4").expect("a dart");
-        let data = model.meshes[0].mesh.data();
+        let model = good("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4");
+        let data = model.mesh_data(0);
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| data.positions[i as usize]);
             (b - a).cross(c - a).z / 2.0
@@ -278,8 +292,8 @@ mod tests {
         let bend = "v 0 0 0\nv 0 1 0\nv -1 0 0\nv 1 0 5\n";
         let faces = "f 1 2 3\nf 1 4 2\n";
         let normals = |smoothing: &str| {
-            let model = load_text(&format!("{bend}{smoothing}{faces}")).expect("a model");
-            model.meshes[0].mesh.data().normals.len()
+            let model = good(&format!("{bend}{smoothing}{faces}"));
+            model.mesh_data(0).normals.len()
         };
         assert_eq!(normals("s off\n"), 0);
         assert_eq!(normals("s 1\n"), 4);
@@ -290,7 +304,7 @@ mod tests {
     fn ridge_normals(height: f32, faces: &str) -> Vec<Vec3> {
         let roof =
             format!("v -2 -2 0\nv 0 -2 {height}\nv 0 2 {height}\nv -2 2 0\nv 2 -2 0\nv 2 2 0\nvt 0 0\nvn 0 0 1\n");
-        let model = load_text(&format!("{roof}{faces}")).expect("a model");
+        let model = good(&format!("{roof}{faces}"));
         let mut normals = Vec::new();
         for data in model.meshes.iter().map(|m| m.mesh.data()) {
             let corners = data.triangles.iter().flatten().map(|&i| i as usize);
@@ -350,12 +364,11 @@ mod tests {
 
     #[test]
     fn triangles_that_are_not_finite_are_dropped_and_counted() {
-        let model =
-            load_text(&format!("{SQUARE}v nan 0 0\nv 1e400 0 0\nf 1 2 3\nf 1 2 5\nf 1 6 3\n")).expect("a model");
-        assert_eq!(model.meshes[0].mesh.data().triangles.len(), 1);
+        let model = good(&format!("{SQUARE}v nan 0 0\nv 1e400 0 0\nf 1 2 3\nf 1 2 5\nf 1 6 3\n"));
+        assert_eq!(model.mesh_data(0).triangles.len(), 1);
         let expected = "m.obj: unnamed object: triangles with a NaN or infinite vertex were dropped: 2 of 3; vertices of meshes \
                         are stored in single precision, and numbers above 3.4e38 count as infinite";
-        assert_eq!(messages(&model), [expected]);
+        assert_eq!(warnings(&model), [expected]);
     }
 
     #[test]
@@ -368,11 +381,11 @@ mod tests {
         let head = format!("mtllib my lib.mtl\nmtllib none.mtl b.mtl\n{SQUARE}");
         fs::write(place("m.obj"), head + "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n").expect("written");
 
-        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
         assert_eq!(model.materials[0].to_phong().diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
         assert!(matches!(model.materials[1].to_phong().diffuse, ColorTexture::Textured(..)));
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
-        let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        let what = model.messages();
         assert_eq!(what[0], "the material library `none.mtl` does not exist; plain grey is used for its materials");
         assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
         assert_eq!(what.len(), 2);
@@ -381,28 +394,17 @@ mod tests {
     /// Exporters write them for each material: warnings would hide the others.
     #[test]
     fn ambient_colours_and_maps_are_ignored_without_a_warning() {
-        let folder = tempfile::tempdir().expect("a folder");
-        fs::write(folder.path().join("m.mtl"), "newmtl m\nKa 1 0 0\nmap_Ka missing.png\nKd 1 1 1\n").expect("written");
-        let path = folder.path().join("m.obj");
-        fs::write(&path, format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3\n")).expect("written");
-        let model = load_file(&path, &LoadOptions::default()).expect("a model");
+        let mtl = "newmtl m\nKa 1 0 0\nmap_Ka missing.png\nKd 1 1 1\n";
+        let model = load_with_library(mtl, "usemtl m\nf 1 2 3\n");
         assert_eq!(model.warnings, []);
         assert_eq!(model.materials[0].to_phong().ambient, ColorTexture::Constant(Rgb::gray(0.1)));
     }
 
     #[test]
     fn maps_of_numbers_cuts_and_bumps_are_read() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let place = |name: &str| folder.path().join(name);
         let mtl = "newmtl m\nKd 1\nPr 0.5\nmap_Pr -imfchan g n.png\nmap_d n.png\nmap_Bump -bm 2 h.png\n\
                    newmtl glass\nillum 7\nPr 0\nmap_Pr n.png\nPc 1\ndisp n.png\n";
-        fs::write(place("m.mtl"), mtl).expect("written");
-        image::RgbImage::from_pixel(2, 1, image::Rgb([51, 102, 204])).save(place("n.png")).expect("written");
-        image::GrayImage::from_fn(3, 1, |x, _| image::Luma([100 * x as u8])).save(place("h.png")).expect("written");
-        let text = format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\n");
-        fs::write(place("m.obj"), text + "usemtl m\nf 1/1 2/2 3/3\nusemtl glass\nf 1 2 3\n").expect("written");
-
-        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_with_library(mtl, "usemtl m\nf 1/1 2/2 3/3\nusemtl glass\nf 1 2 3\n");
         let material = &model.materials[0];
         let bitmap = |id: TextureId| model.textures[id.0 as usize].bitmap().expect("an image");
         let MaterialModel::Layered(layers) = &material.model else { panic!("layers") };
@@ -416,25 +418,17 @@ mod tests {
         let normal_map = material.normal_map.expect("bumps");
         assert_eq!(normal_map.scale, 2.0);
         assert!(bitmap(normal_map.texture).pixels[1][0] < 0.5, "the slope rises to the right");
-        assert_eq!(model.meshes[0].mesh.data().tangents[0], [1.0, 0.0, 0.0, 1.0]);
-        assert!(model.meshes[1].mesh.data().tangents.is_empty());
-        let what: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(what, ["`disp` is not supported", "`map_Pr` is not supported", "`Pc` is not supported"]);
+        assert_eq!(model.mesh_data(0).tangents[0], [1.0, 0.0, 0.0, 1.0]);
+        assert!(model.mesh_data(1).tangents.is_empty());
+        assert_eq!(model.messages(), ["`disp` is not supported", "`map_Pr` is not supported", "`Pc` is not supported"]);
     }
 
     #[test]
     fn mirrored_bump_maps_had_inverted_slopes() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let place = |name: &str| folder.path().join(name);
         let maps = ["map_Bump h.png", "map_Bump -s -1 1 1 h.png", "map_Bump -s 2 -1 1 h.png", "norm -s -3 1 1 h.png"];
         let mtl: String = (0..).zip(maps).map(|(index, map)| format!("newmtl m{index}\n{map}\n")).collect();
-        fs::write(place("m.mtl"), mtl).expect("written");
-        let heights = image::GrayImage::from_fn(3, 3, |x, y| image::Luma([100 * x as u8 + 20 * y as u8]));
-        heights.save(place("h.png")).expect("written");
         let faces: String = (0..maps.len()).map(|index| format!("usemtl m{index}\nf 1/1 2/2 3/3\n")).collect();
-        fs::write(place("m.obj"), format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\n{faces}")).expect("written");
-
-        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_with_library(&mtl, &faces);
         let normals = |material: usize| {
             let mut texture = &model.textures[model.materials[material].normal_map.expect("bumps").texture.0 as usize];
             while let Texture::Mapped { texture: inner, .. } = texture {
@@ -454,13 +448,8 @@ mod tests {
 
     #[test]
     fn physical_glass_with_a_black_filter_encloses_no_medium() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let place = |name: &str| folder.path().join(name);
         let mtl = "newmtl black\nillum 7\nNi 1.5\nPr 0\nTf 0 0 0\nnewmtl clear\nillum 7\nNi 1.5\nPr 0\n";
-        fs::write(place("m.mtl"), mtl).expect("written");
-        let text = format!("mtllib m.mtl\n{SQUARE}usemtl black\nf 1 2 3\nusemtl clear\nf 1 2 3\n");
-        fs::write(place("m.obj"), text).expect("written");
-        let model = load_file(&place("m.obj"), &LoadOptions::default()).expect("a model");
+        let model = load_with_library(mtl, "usemtl black\nf 1 2 3\nusemtl clear\nf 1 2 3\n");
         let iors: Vec<_> = model.materials.iter().map(|material| material.interior.map(|inside| inside.ior)).collect();
         assert_eq!(iors, [None, Some(1.5)]);
     }
@@ -471,7 +460,7 @@ mod tests {
         let load = |statement: &str| {
             let path = folder.path().join("m.obj");
             fs::write(&path, format!("{SQUARE}{statement}\nf 1 2 3\n")).expect("written");
-            load_file(&path, &LoadOptions::default())
+            load_model(&path, &LoadOptions::default())
         };
         for absolute in ["/library.mtl", "/my files/x.mtl", "C:\\x.mtl", "\\\\host\\x.mtl"] {
             let model = load(&format!("mtllib {absolute}")).expect("a model");
@@ -495,9 +484,9 @@ mod tests {
         fs::create_dir(&inner).expect("a folder");
         fs::write(outer.path().join("secret.mtl"), "newmtl m\n").expect("written");
         fs::write(inner.join("m.obj"), format!("mtllib ../secret.mtl\n{SQUARE}f 1 2 3\n")).expect("written");
-        let error = load_file(&inner.join("m.obj"), &LoadOptions::default()).expect_err("an escape").to_string();
+        let error = load_model(&inner.join("m.obj"), &LoadOptions::default()).expect_err("an escape").to_string();
         assert!(error.contains("m.obj:1: `../secret.mtl` lies outside"), "{error}");
         let options = LoadOptions { root: Some(outer.path().to_owned()), ..LoadOptions::default() };
-        assert!(load_file(&inner.join("m.obj"), &options).is_ok());
+        assert!(load_model(&inner.join("m.obj"), &options).is_ok());
     }
 }

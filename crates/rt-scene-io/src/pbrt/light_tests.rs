@@ -13,7 +13,7 @@ fn area_lights_of_interfaces_are_left_out() {
     let model = good(&world(light));
     assert_eq!((shapes(&model).len(), model.materials.len(), &model.background), (1, 1, &None));
     let message = "a shape without material is invisible: it is left out, and its area light is ignored, as in pbrt";
-    assert_eq!(model.warnings.iter().map(|warning| warning.message.as_str()).collect::<Vec<_>>(), [message]);
+    assert_eq!(model.messages(), [message]);
 }
 
 /// The invisible lights of pbrt-v4 gave no light, without a warning.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::format::{Background, Color};
 use crate::{Content, SceneNode};
 use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
@@ -72,6 +73,12 @@ pub(super) fn shapes(model: &Model) -> Vec<(Transform, SceneNode)> {
     placed(&model.nodes, &Transform::IDENTITY)
 }
 
+/// Origin of the last shape in the world of the file.
+fn place(model: &Model) -> DVec3 {
+    let (world_from_shape, _) = shapes(model).pop().expect("a shape");
+    model.nodes[0].parent_from_local.inverse_point(world_from_shape.point(DVec3::ZERO))
+}
+
 /// Image position of a point of the file's world: to the right and upwards, −1 to 1 at 45°.
 fn seen(model: &Model, file_point: DVec3) -> [f64; 2] {
     let p = model.nodes[0].parent_from_local.point(file_point);
@@ -87,10 +94,7 @@ fn known_values_of_a_scene() {
     assert_eq!((model.image_size, model.is_photometric), (Some([64, 48]), false));
     let fov = 40f64.to_radians();
     assert_eq!(model.cameras[0].settings.projection, Projection::Perspective { fov, axis: FovAxis::Vertical });
-    assert_eq!(
-        model.background,
-        Some(crate::format::Background::Constant(crate::format::Color::from_rgb([0.1, 0.2, 0.3])))
-    );
+    assert_eq!(model.background, Some(Background::Constant(Color::from_rgb([0.1, 0.2, 0.3]))));
     assert_eq!(model.notes, ["Sampler \"halton\" is ignored: this program chooses its own."]);
 
     let DeltaLightKind::Directional { direction } = model.lights[0].kind else { panic!("a sun") };
@@ -134,7 +138,7 @@ fn right_stays_right_and_the_front_stays_the_front() {
         let (place, _) = &shapes(&model)[0];
         let root = model.nodes[0].parent_from_local;
         assert!((place.normal(DVec3::Y).normalize() - root.vector(DVec3::Z)).length() < 1e-12);
-        let data = model.meshes[0].mesh.data();
+        let data = model.mesh_data(0);
         assert_eq!(data.triangles, [[0, 1, 2]]);
         assert_eq!(root.normal(DVec3::Z), root.vector(DVec3::Z));
         assert_eq!(model.nodes[0].is_left_handed, root.flips_handedness());
@@ -145,7 +149,7 @@ fn right_stays_right_and_the_front_stays_the_front() {
 fn orientation_is_reversed_with_the_normals() {
     let mesh = |before: &str, normals: &str| {
         let text = format!("WorldBegin\n{before}\nShape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] {normals}");
-        good(&text).meshes[0].mesh.data().clone()
+        good(&text).mesh_data(0).clone()
     };
     assert_eq!(mesh("", "").triangles, [[0, 1, 2]]);
     assert_eq!(mesh("ReverseOrientation", "").triangles, [[0, 2, 1]]);
@@ -180,10 +184,7 @@ fn shapes_of_revolution_stand_along_z() {
 
 #[test]
 fn matrices_stand_column_by_column_and_add_up() {
-    let at = |text: &str| {
-        let model = good(&world(text));
-        model.nodes[0].parent_from_local.inverse_point(shapes(&model)[0].0.point(DVec3::ZERO))
-    };
+    let at = |text: &str| place(&good(&world(text)));
     assert_eq!(at("Transform [1 0 0 0 0 1 0 0 0 0 1 0 4 5 6 1]"), DVec3::new(4.0, 5.0, 6.0));
     assert_eq!(at("Scale 2 2 2 ConcatTransform [1 0 0 0 0 1 0 0 0 0 1 0 4 5 6 1]"), DVec3::new(8.0, 10.0, 12.0));
     assert!((at("Rotate 90 0 0 1 Translate 1 0 0") - DVec3::Y).length() < 1e-12);
@@ -200,8 +201,7 @@ fn active_transforms_end_with_their_scope() {
     std::fs::write(folder.path().join("end.pbrt"), end).expect("written");
     let at = |text: &str| {
         let path = folder.path().join("m.pbrt");
-        let model = load_text(&world(text), &path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-        model.nodes[0].parent_from_local.inverse_point(shapes(&model).last().expect("a sphere").0.point(DVec3::ZERO))
+        place(&load_text(&world(text), &path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}")))
     };
     for scope in [
         format!("AttributeBegin {end} AttributeEnd"),
@@ -219,7 +219,7 @@ fn active_transforms_end_with_their_scope() {
 fn coordinate_systems_replace_the_transforms_of_both_times() {
     let text = "Translate 1 0 0 CoordinateSystem \"a\" Identity ActiveTransform EndTime CoordSysTransform \"a\"";
     let model = good(&world(text));
-    assert_eq!(model.nodes[0].parent_from_local.inverse_point(shapes(&model)[0].0.point(DVec3::ZERO)), DVec3::X);
+    assert_eq!(place(&model), DVec3::X);
     assert_eq!(model.warnings, []);
 }
 
@@ -349,7 +349,7 @@ fn what_is_not_supported_is_listed_with_its_line() {
 #[test]
 fn a_flat_patch_is_two_triangles_of_its_normal() {
     let model = good("WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]");
-    let data = model.meshes[0].mesh.data();
+    let data = model.mesh_data(0);
     assert_eq!(data.triangles, [[0, 1, 3], [0, 3, 2]]);
     assert_eq!(data.uvs[3], [1.0, 1.0]);
     assert_eq!((model.warnings.len(), model.background), (0, None));
@@ -392,7 +392,7 @@ fn files_may_include_others_but_not_themselves() {
     let error = load("loop.pbrt").unwrap_err().to_string();
     assert!(error.contains("other.pbrt:2: `loop.pbrt` includes itself"), "{error}");
     assert!(load("bad.pbrt").unwrap_err().to_string().contains("worse.pbrt:2: unknown shape `cube`"));
-    assert_eq!(load("mesh.pbrt").expect("a mesh").meshes[0].mesh.data().triangles, [[0, 2, 1]]);
+    assert_eq!(load("mesh.pbrt").expect("a mesh").mesh_data(0).triangles, [[0, 2, 1]]);
     for depth in 0..=17 {
         write(&format!("d{depth}.pbrt"), &format!("Include \"d{}.pbrt\"", depth + 1));
     }
@@ -415,10 +415,7 @@ fn images_are_shown_and_maps_all_around_become_their_mean() {
          Material \"diffuse\" \"texture reflectance\" \"t\"",
     );
     let model = load_text(&text, &path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(
-        model.background,
-        Some(crate::format::Background::Constant(crate::format::Color::from_rgb([1.0, 0.0, 0.0])))
-    );
+    assert_eq!(model.background, Some(Background::Constant(Color::from_rgb([1.0, 0.0, 0.0]))));
     assert!(model.warnings[0].message.contains("became its mean"));
     assert!(matches!(
         model.textures[..],

@@ -169,7 +169,7 @@ fn normal_maps_are_numbers_along_tangents() {
     let normal_map = model.materials[0].normal_map.expect("a normal map");
     let bitmap = model.textures[normal_map.texture.0 as usize].bitmap().expect("an image");
     assert_eq!((bitmap.pixels[0][1], normal_map.scale), (0.2, 1.0), "not sRGB");
-    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
+    assert_eq!(model.mesh_data(0).tangents, [[1.0, 0.0, 0.0, 1.0]; 4]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
     let sphere = square(&format!("{bumpy}\nShape \"sphere\""), "");
     assert!(sphere.warnings[0].message.contains("its normal map needs texture coordinates"), "{:?}", sphere.warnings);
@@ -180,7 +180,7 @@ const IMAGE: &str = "Material \"diffuse\" \"texture reflectance\" \"colors\"";
 
 /// The first mesh of the world with this before the square.
 fn mesh(before: &str) -> MeshData {
-    square(before, "").meshes[0].mesh.data().clone()
+    square(before, "").mesh_data(0).clone()
 }
 
 /// Meshes without `uv` had no texture coordinates, so that images showed one colour.
@@ -233,7 +233,7 @@ fn the_second_axis_of_normal_maps_is_the_cross_product_of_pbrt() {
     let sides = |before: &str, uv: &str| -> Vec<f32> {
         let bumpy = format!("Material \"diffuse\" \"string normalmap\" \"normals.png\"\n{before}");
         let model = square(&bumpy, &format!("\"point2 uv\" [{uv}]"));
-        model.meshes[0].mesh.data().tangents.iter().map(|tangent| tangent[3]).collect()
+        model.mesh_data(0).tangents.iter().map(|tangent| tangent[3]).collect()
     };
     let (straight, mirrored) = ("0 0 1 0 0 1 1 1", "1 0 0 0 1 1 0 1");
     assert_eq!((sides("", straight), sides("", mirrored)), (vec![1.0; 4], vec![1.0; 4]));
@@ -246,6 +246,6 @@ fn the_second_axis_of_normal_maps_is_the_cross_product_of_pbrt() {
 fn normal_maps_need_no_uv() {
     let shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]";
     let model = square(&format!("Material \"diffuse\" \"string normalmap\" \"normals.png\"\n{shape}"), "");
-    assert_eq!(model.meshes[0].mesh.data().tangents, [[1.0, 0.0, 0.0, 1.0]; 3]);
+    assert_eq!(model.mesh_data(0).tangents, [[1.0, 0.0, 0.0, 1.0]; 3]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }

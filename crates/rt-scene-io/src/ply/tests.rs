@@ -4,16 +4,12 @@ use std::fmt::Write;
 const SQUARE: &str = "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                       element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 
-fn load_text(text: &str) -> Result<Model, LoadError> {
-    load_bytes(text.as_bytes().to_vec(), Path::new("m.ply"), MissingUvs::Keep)
+fn load_all(bytes: impl Into<Vec<u8>>) -> Result<Model, LoadError> {
+    load_bytes(bytes.into(), Path::new("m.ply"), MissingUvs::Keep)
 }
 
-fn refused(text: &str) -> String {
-    load_text(text).expect_err("a bad file").to_string()
-}
-
-fn data(model: &Model) -> &MeshData {
-    model.meshes[0].mesh.data()
+fn refused(bytes: impl Into<Vec<u8>>) -> String {
+    load_all(bytes).expect_err("a bad file").to_string()
 }
 
 /// The square in binary, with normals, texture coordinates in doubles, an element between, and corners by 16 bits.
@@ -53,23 +49,22 @@ fn binary(big: bool) -> Vec<u8> {
 /// A file with the line ends of old Macintosh systems was refused.
 #[test]
 fn lines_of_text_may_end_in_carriage_returns() {
-    assert_eq!(data(&load_text(&SQUARE.replace('\n', "\r")).expect("a square")).triangles.len(), 2);
+    assert_eq!(load_all(SQUARE.replace('\n', "\r")).expect("a square").mesh_data(0).triangles.len(), 2);
 }
 
 #[test]
 fn text_and_both_byte_orders_hold_the_same_square() {
-    let text = load_text(SQUARE).expect("a square");
-    assert_eq!(data(&text).triangles.len(), 2);
+    let text = load_all(SQUARE).expect("a square");
+    assert_eq!(text.mesh_data(0).triangles.len(), 2);
     assert_eq!(text.warnings, []);
     for big in [false, true] {
-        let model = load_bytes(binary(big), Path::new("m.ply"), MissingUvs::Keep).expect("a square");
-        assert_eq!(data(&model).positions, data(&text).positions);
-        assert_eq!(data(&model).triangles, [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(data(&model).normals, [Vec3::Z; 4]);
-        assert_eq!(data(&model).uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
-        let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        let model = load_all(binary(big)).expect("a square");
+        assert_eq!(model.mesh_data(0).positions, text.mesh_data(0).positions);
+        assert_eq!(model.mesh_data(0).triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(model.mesh_data(0).normals, [Vec3::Z; 4]);
+        assert_eq!(model.mesh_data(0).uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
         assert_eq!(
-            warnings,
+            model.messages(),
             ["properties of the element `vertex` are left out: `quality`", "the element `edge` of 1 rows is left out"]
         );
     }
@@ -78,7 +73,7 @@ fn text_and_both_byte_orders_hold_the_same_square() {
 #[test]
 fn faces_of_two_corners_are_no_point_cloud() {
     assert_eq!(
-        refused(&SQUARE.replace("4 0 1 2 3", "2 0 1")),
+        refused(SQUARE.replace("4 0 1 2 3", "2 0 1")),
         "m.ply: has no usable triangles (warning: m.ply: faces with fewer than three corners were left out: 1)"
     );
 }
@@ -88,7 +83,7 @@ fn bytes_after_the_header_are_those_of_the_file() {
     let header = SQUARE.split_inclusive("end_header\n").next().expect("a header");
     assert!(refused(header).starts_with("m.ply: 0 bytes after the header are too few"), "{}", refused(header));
     // A text without its last line break is whole.
-    load_text(SQUARE.trim_end()).expect("a square");
+    load_all(SQUARE.trim_end()).expect("a square");
 }
 
 #[test]
@@ -97,56 +92,50 @@ fn a_binary_file_without_its_last_byte_is_refused() {
         let mut bytes = binary(big);
         bytes.pop();
         let length = bytes.len();
-        let error = load_bytes(bytes, Path::new("m.ply"), MissingUvs::Keep).expect_err("a truncated file").to_string();
-        assert_eq!(error, format!("m.ply: the file ends too early (before byte {length})"));
+        assert_eq!(refused(bytes), format!("m.ply: the file ends too early (before byte {length})"));
     }
 }
 
 #[test]
 fn other_bytes_are_no_ply_file() {
     let noise: Vec<u8> = (0..3000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    let error = load_bytes(noise, Path::new("m.ply"), MissingUvs::Keep).expect_err("noise").to_string();
-    assert_eq!(error, "m.ply:1: is not a PLY file: the first line must be `ply`");
-    let error = load_bytes(b"ply\nformat ascii 1.0\ncomment \xff\n".to_vec(), Path::new("m.ply"), MissingUvs::Keep)
-        .expect_err("latin");
-    assert_eq!(error.to_string(), "m.ply:3: the header is not UTF-8 text");
+    assert_eq!(refused(noise), "m.ply:1: is not a PLY file: the first line must be `ply`");
+    assert_eq!(refused(*b"ply\nformat ascii 1.0\ncomment \xff\n"), "m.ply:3: the header is not UTF-8 text");
 }
 
 #[test]
 fn another_version_of_the_format_is_a_warning() {
-    let model = load_text(&SQUARE.replace("ascii 1.0", "ascii 2.0")).expect("a square");
-    let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-    assert_eq!(warnings, ["the file has version 2.0 of the format; it is read as version 1.0"]);
+    let model = load_all(SQUARE.replace("ascii 1.0", "ascii 2.0")).expect("a square");
+    assert_eq!(model.messages(), ["the file has version 2.0 of the format; it is read as version 1.0"]);
 }
 
 #[test]
 fn a_concave_face_covers_its_own_area_only() {
     let dart = SQUARE.replace("0 0 0\n1 0 0\n1 1 0\n0 1 0", "0 0 0\n2 0 0\n0.5 0.5 0\n0 2 0");
-    let model = load_text(&dart).expect("a dart");
+    let model = load_all(dart).expect("a dart");
     let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|i| data(&model).positions[i as usize]);
+        let [a, b, c] = t.map(|i| model.mesh_data(0).positions[i as usize]);
         (b - a).cross(c - a).z / 2.0
     };
-    assert_eq!(data(&model).triangles.iter().map(area).collect::<Vec<_>>(), [0.5, 0.5]);
+    assert_eq!(model.mesh_data(0).triangles.iter().map(area).collect::<Vec<_>>(), [0.5, 0.5]);
 }
 
 #[test]
 fn headers_that_promise_too_much_are_refused_at_once() {
     let many = SQUARE.replace("vertex 4", "vertex 4000000000");
     assert_eq!(
-        refused(&many),
+        refused(many),
         "m.ply: 34 bytes after the header are too few: its elements take at least 24000000002; the file is truncated"
     );
     let most = SQUARE.replace("face 1", "face 18446744073709551615");
-    assert!(refused(&most).contains("at least 18446744073709551615"));
+    assert!(refused(most).contains("at least 18446744073709551615"));
     let nothing = SQUARE.replace("element face", "element void 4000000000\nelement face");
-    assert_eq!(refused(&nothing), "m.ply: the element `void` of 4000000000 rows has no properties: give at least one");
+    assert_eq!(refused(nothing), "m.ply: the element `void` of 4000000000 rows has no properties: give at least one");
     // A list that is longer than the file.
     let mut long = binary(false);
     let at = long.len() - 7;
     long[at] = 255;
-    let error = load_bytes(long, Path::new("m.ply"), MissingUvs::Keep).expect_err("a bad file").to_string();
-    assert!(error.contains("the file ends too early"), "{error}");
+    assert!(refused(long).contains("the file ends too early"));
 }
 
 #[test]
@@ -173,15 +162,15 @@ fn every_bad_line_is_named() {
         (SQUARE.replace("4 0 1 2 3", "5 0 1 2 3"), "m.ply:15: the file ends too early"),
     ];
     for (text, expected) in cases {
-        assert_eq!(refused(&text), expected);
+        assert_eq!(refused(text), expected);
     }
-    assert!(refused(&SQUARE.replace("4 0 1 2 3", "4 0 1 2 9")).starts_with("m.ply: element face: "));
+    assert!(refused(SQUARE.replace("4 0 1 2 3", "4 0 1 2 9")).starts_with("m.ply: element face: "));
     assert!(
-        refused(&SQUARE.replace("face 1", "face 0").replace("4 0 1 2 3\n", ""))
+        refused(SQUARE.replace("face 1", "face 0").replace("4 0 1 2 3\n", ""))
             .contains("a point cloud without faces is not supported")
     );
     assert!(
-        refused(&SQUARE.replace("element face", "element vertex")).contains("there are two elements named `vertex`")
+        refused(SQUARE.replace("element face", "element vertex")).contains("there are two elements named `vertex`")
     );
 }
 
@@ -190,21 +179,21 @@ fn strips_are_triangles_as_well() {
     let strips =
         SQUARE.replace("element face 1\nproperty list uchar int", "element tristrips 1\nproperty list int int");
     let text = strips.replace("4 0 1 2 3\n", "9 0 1 3 2 2 -1 1 2 3\n");
-    let model = load_text(&text).expect("a model");
-    assert_eq!(data(&model).triangles, [[0, 1, 3], [1, 2, 3], [1, 2, 3]]);
+    let model = load_all(text).expect("a model");
+    assert_eq!(model.mesh_data(0).triangles, [[0, 1, 3], [1, 2, 3], [1, 2, 3]]);
     assert!(model.warnings.iter().all(|warning| !warning.message.contains("tristrips")), "{:?}", model.warnings);
-    assert!(refused(&strips.replace("4 0 1 2 3", "3 0 1 4")).contains("vertex index 4"));
+    assert!(refused(strips.replace("4 0 1 2 3", "3 0 1 4")).contains("vertex index 4"));
     // Faces and strips may occur together, in any order.
     let both =
         SQUARE.replace("element face", "element tristrips 1\nproperty list int int vertex_indices\nelement face");
-    let model = load_text(&both.replace("4 0 1 2 3\n", "3 0 1 2\n3 0 2 3\n")).expect("a model");
-    assert_eq!(data(&model).triangles.len(), 2);
+    let model = load_all(both.replace("4 0 1 2 3\n", "3 0 1 2\n3 0 2 3\n")).expect("a model");
+    assert_eq!(model.mesh_data(0).triangles.len(), 2);
 }
 
 #[test]
 fn faces_that_are_none_are_counted() {
     let text = SQUARE.replace("face 1", "face 3").replace("4 0 1 2 3\n", "4 0 1 2 3\n2 0 1\n0\n");
-    let model = load_text(&text).expect("a model");
+    let model = load_all(text).expect("a model");
     assert_eq!(model.warnings[0].message, "faces with fewer than three corners were left out: 2");
 }
 
@@ -212,13 +201,13 @@ fn faces_that_are_none_are_counted() {
 fn cut_files_never_panic() {
     for bytes in [SQUARE.as_bytes().to_vec(), binary(false), binary(true)] {
         for length in 0..bytes.len() - 1 {
-            let cut = load_bytes(bytes[..length].to_vec(), Path::new("m.ply"), MissingUvs::Keep);
+            let cut = load_all(&bytes[..length]);
             assert!(cut.is_err() || length + 3 > bytes.len(), "cut at {length}");
         }
         for (place, value) in (0..bytes.len()).flat_map(|place| [0, 1, 127, 255].map(|value| (place, value))) {
             let mut changed = bytes.clone();
             changed[place] = value;
-            let _ = load_bytes(changed, Path::new("m.ply"), MissingUvs::Keep);
+            let _ = load_all(changed);
         }
     }
 }
@@ -230,13 +219,13 @@ fn colored(kind: &str, alpha: &str, colors: [&str; 4]) -> Model {
     for (corner, color) in ["0 0 0\n", "1 0 0\n", "1 1 0\n", "0 1 0\n"].into_iter().zip(colors) {
         text = text.replacen(&format!("\n{corner}"), &format!("\n{} {color}\n", corner.trim_end()), 1);
     }
-    load_text(&text).expect("a colored square")
+    load_all(text).expect("a colored square")
 }
 
 #[test]
 fn colours_of_vertices_are_decoded_and_shown() {
     let bytes = colored("uchar", "", ["255 0 188", "0 255 0", "0 0 255", "10 20 30"]);
-    let shown = data(&bytes).colors[0];
+    let shown = bytes.mesh_data(0).colors[0];
     assert_eq!((shown[0], shown[1], shown[3]), (1.0, 0.0, 1.0));
     assert!((shown[2] - 0.502_886_5).abs() < 1e-6, "{shown:?}");
     assert_eq!(bytes.warnings, []);
@@ -248,24 +237,23 @@ fn colours_of_vertices_are_decoded_and_shown() {
     let alpha = "property uchar alpha\n";
     let floats = colored("float", alpha, ["0.5 0 1 255", "2 0 0 0", "0 0 0 51", "1 1 1 255"]);
     assert_eq!(
-        data(&floats).colors,
+        floats.mesh_data(0).colors,
         [[0.5, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.2], [1.0, 1.0, 1.0, 1.0]]
     );
-    assert!(load_text(SQUARE).expect("a square").textures.is_empty());
+    assert!(load_all(SQUARE).expect("a square").textures.is_empty());
 }
 
 /// Floats up to 255 were accepted without a word: `path` clamped them, `whitted` did not.
 #[test]
 fn float_colours_above_one_are_a_warning() {
     let model = colored("float", "", ["255 128 0", "1 1 1", "0 0 1.5", "0 0 0"]);
-    let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
     assert_eq!(
-        warnings,
+        model.messages(),
         [
             "vertex colours above 1 are clamped: 2 of 4; colours of type `float` are 1 at most, those of type `uchar` 255"
         ]
     );
-    assert_eq!(data(&model).colors[..3], [[1.0, 1.0, 0.0, 1.0], [1.0; 4], [0.0, 0.0, 1.0, 1.0]]);
+    assert_eq!(model.mesh_data(0).colors[..3], [[1.0, 1.0, 0.0, 1.0], [1.0; 4], [0.0, 0.0, 1.0, 1.0]]);
     assert_eq!(colored("float", "", ["1 0.5 0", "1 1 1", "0 0 1", "0 0 0"]).warnings, []);
     assert_eq!(colored("uchar", "", ["255 128 0"; 4]).warnings, []);
 }
@@ -273,7 +261,7 @@ fn float_colours_above_one_are_a_warning() {
 #[test]
 fn a_part_of_a_colour_is_left_out_with_a_warning() {
     let red = SQUARE.replace("property float z\n", "property float z\nproperty uchar red\n").replace(" 0\n", " 0 9\n");
-    let model = load_text(&red).expect("a square");
-    assert!(data(&model).colors.is_empty() && model.textures.is_empty());
+    let model = load_all(red).expect("a square");
+    assert!(model.mesh_data(0).colors.is_empty() && model.textures.is_empty());
     assert_eq!(model.warnings[0].message, "properties of the element `vertex` are left out: `red`");
 }

@@ -49,7 +49,7 @@ impl<'a> Materials<'a> {
         let (path, definition) = match assigned {
             None => return Ok(self.default_id()),
             Some(Assigned { material: format::NodeMaterial::Name(name), .. }) => {
-                return self.id(Some(name), textures, report);
+                return self.id(name, textures, report);
             }
             Some(Assigned { path, material: format::NodeMaterial::Inline(definition) }) => (path, definition),
         };
@@ -63,17 +63,14 @@ impl<'a> Materials<'a> {
         Ok(id)
     }
 
-    /// The material of this name, or the default for no name. A name that is unknown is an error; a material that is
-    /// wrong is reported once and replaced by the default.
+    /// The material of this name. A name that is unknown is an error; a material that is wrong is reported once and
+    /// replaced by the default.
     pub(super) fn id(
         &mut self,
-        name: Option<&str>,
+        name: &str,
         textures: &mut Textures<'_>,
         report: &mut Diagnostics,
     ) -> Result<MaterialId, LoadErrorKind> {
-        let Some(name) = name else {
-            return Ok(self.default_id());
-        };
         let Some((name, definition)) = self.definitions.get_key_value(name) else {
             let known = self.definitions.keys().cloned().collect();
             return Err(LoadErrorKind::unknown("material", name, known));

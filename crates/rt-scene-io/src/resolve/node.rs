@@ -181,7 +181,7 @@ impl<'a> Objects<'a> {
     /// The material that a camera names as its medium.
     fn medium(&mut self, path: &str, camera: &format::Camera) -> Option<MaterialId> {
         let name = camera.medium.as_deref()?;
-        let id = self.materials.id(Some(name), &mut self.textures, &mut self.report).and_then(|id| {
+        let id = self.materials.id(name, &mut self.textures, &mut self.report).and_then(|id| {
             if self.materials.list[id.0 as usize].interior.is_some() {
                 return Ok(id);
             }

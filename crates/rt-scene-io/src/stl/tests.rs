@@ -5,6 +5,9 @@ const FACET_TEXT: &str =
 const OTHER_TEXT: &str =
     "facet normal 0 0 1\n outer loop\n  vertex 1 0 0\n  vertex 1 1 0\n  vertex -0 1 0\n endloop\nendfacet\n";
 
+/// Triangles of both files, in which equal corners are one vertex.
+const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [1, 3, 2]];
+
 fn text() -> String {
     format!("solid a\n{FACET_TEXT}{OTHER_TEXT}endsolid a\n")
 }
@@ -36,23 +39,22 @@ fn refused(bytes: &[u8]) -> String {
 fn text_and_binary_hold_the_same_square() {
     for bytes in [text().into_bytes(), binary(b"made by a program"), binary(b"solid but not text"), binary(b"solid ")] {
         let model = load_all(&bytes).expect("a square");
-        let data = model.meshes[0].mesh.data();
-        assert_eq!(data.triangles, [[0, 1, 2], [1, 3, 2]], "equal corners are one vertex");
+        let data = model.mesh_data(0);
+        assert_eq!(data.triangles, TRIANGLES);
         assert_eq!(data.positions.len(), 4);
         assert_eq!((data.normals.len(), model.warnings.len()), (0, 0));
     }
 }
 
 #[test]
-fn text_may_have_any_first_line_and_several_solids() {
-    let two = format!("\n  solid\r\n{FACET_TEXT}endsolid\n\nsolid b c\n{OTHER_TEXT}endsolid b c");
-    assert_eq!(load_all(two.as_bytes()).expect("a square").meshes[0].mesh.data().triangles.len(), 2);
-}
-
-#[test]
-fn text_may_be_in_upper_case() {
-    let model = load_all(text().to_uppercase().as_bytes()).expect("a square");
-    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+fn text_may_have_any_first_line_case_and_line_ends() {
+    let solids = format!("\n  solid\r\n{FACET_TEXT}endsolid\n\nsolid b c\n{OTHER_TEXT}endsolid b c");
+    // A file with the line ends of old Macintosh systems was one line, and one with a byte order mark was binary.
+    let (returns, marked) = (text().replace('\n', "\r"), ["\u{feff}", text().as_str()].concat());
+    for variant in [solids, text().to_uppercase(), returns, marked] {
+        assert_eq!(load_all(variant.as_bytes()).expect("a square").mesh_data(0).triangles, TRIANGLES, "{variant}");
+    }
+    assert!(refused(text().replacen("outer loop", "outer", 1).replace('\n', "\r").as_bytes()).starts_with("m.stl:3: "));
 }
 
 #[test]
@@ -66,7 +68,7 @@ fn facets_whose_normal_is_no_number_are_as_good_as_others() {
         "1e999 0 0",
     ] {
         let model = load_all(text().replace("facet normal 0 0 1", &format!("facet normal {normal}")).as_bytes());
-        assert_eq!(model.expect("a square").meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(model.expect("a square").mesh_data(0).triangles, TRIANGLES);
     }
     let bad =
         text().replacen("facet normal 0 0 1", "facet normal nan nan nan", 1).replacen("vertex 1 0 0", "vertex 1 0", 1);
@@ -81,22 +83,8 @@ fn facets_whose_normal_is_no_number_are_as_good_as_others() {
 fn the_name_behind_endsolid_may_be_in_any_encoding() {
     for name in [&b"K\xf6rper"[..], b"\xff", b""] {
         let bytes = [b"solid ", name, b"\n", FACET_TEXT.as_bytes(), b" EndSolid\t", name].concat();
-        assert_eq!(load_all(&bytes).expect("a triangle").meshes[0].mesh.data().triangles, [[0, 1, 2]]);
+        assert_eq!(load_all(&bytes).expect("a triangle").mesh_data(0).triangles, [[0, 1, 2]]);
     }
-}
-
-/// A file with the line ends of old Macintosh systems was one line.
-#[test]
-fn lines_may_end_in_carriage_returns() {
-    let model = load_all(text().replace('\n', "\r").as_bytes()).expect("a square");
-    assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
-    assert!(refused(text().replacen("outer loop", "outer", 1).replace('\n', "\r").as_bytes()).starts_with("m.stl:3: "));
-}
-
-#[test]
-fn a_byte_order_mark_made_text_binary() {
-    let marked = ["\u{feff}", text().as_str()].concat();
-    assert_eq!(load_all(marked.as_bytes()).expect("a square").meshes[0].mesh.data().triangles.len(), 2);
 }
 
 #[test]
@@ -132,19 +120,16 @@ fn numbers_of_facets_are_checked_before_anything_is_read() {
 /// Colours were left out without a word.
 #[test]
 fn colours_of_facets_and_headers_are_a_warning() {
-    let messages = |bytes: &[u8]| {
-        let model = load_all(bytes).expect("a square");
-        model.warnings.into_iter().map(|w| w.message).collect::<Vec<_>>()
-    };
+    let messages = |bytes: &[u8]| load_all(bytes).expect("a square").messages().join("\n");
     let mut one = binary(b"");
     one[HEADER + FACET as usize - 2..][..2].copy_from_slice(&0x801f_u16.to_le_bytes());
-    assert_eq!(messages(&one), ["the colours of 1 of 2 facets are left out"]);
+    assert_eq!(messages(&one), "the colours of 1 of 2 facets are left out");
     // Without the highest bit, the two bytes are no colour.
     let mut other = binary(b"");
     other[HEADER + FACET as usize - 2] = 0x1f;
-    assert_eq!(messages(&other), [""; 0]);
+    assert_eq!(messages(&other), "");
     let magics = binary(b"a COLOR=\xff\x00\x00\xff,MATERIAL=");
-    assert_eq!(messages(&magics), ["the colours of the header (`COLOR=`) and of facets are left out"]);
+    assert_eq!(messages(&magics), "the colours of the header (`COLOR=`) and of facets are left out");
 }
 
 /// They were read as text, which lacks its end.
@@ -152,9 +137,8 @@ fn colours_of_facets_and_headers_are_a_warning() {
 fn binary_files_that_begin_with_solid_may_have_bytes_after_the_facets() {
     for comment in [&b"solid foo\0\0"[..], b"solid made by a program"] {
         let model = load_all(&[binary(comment), b"\0\0rest".to_vec()].concat()).expect("a square");
-        assert_eq!(model.meshes[0].mesh.data().triangles, [[0, 1, 2], [1, 3, 2]]);
-        let warnings: Vec<_> = model.warnings.iter().map(|w| w.message.as_str()).collect();
-        assert_eq!(warnings, ["6 bytes after the last facet are left out"]);
+        assert_eq!(model.mesh_data(0).triangles, TRIANGLES);
+        assert_eq!(model.messages(), ["6 bytes after the last facet are left out"]);
     }
 }
 

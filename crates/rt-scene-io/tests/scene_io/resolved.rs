@@ -98,10 +98,7 @@ fn outline_nodes(nodes: &[SceneNode], depth: usize, lines: &mut Vec<String>) {
 #[test]
 fn a_material_that_only_instances_or_models_would_inherit_is_a_warning() {
     let warnings = |nodes: &str| -> Vec<String> {
-        let text = format!("(nodes: [{nodes}], groups: {{\"g\": [(shape: sphere())]}})");
-        let path = Path::new("scene.ron");
-        let file = parse_ron(&text, path).expect("a scene");
-        let scene = resolve(&file, path, &LoadOptions::default()).expect("a sound scene");
+        let scene = resolved(&format!("(nodes: [{nodes}], groups: {{\"g\": [(shape: sphere())]}})"));
         scene.warnings.iter().map(ToString::to_string).collect()
     };
     let red = "material: diffuse(albedo: (1, 0, 0))";

@@ -20,6 +20,10 @@ fn warnings(files: &[(&str, &[u8])]) -> Vec<String> {
     scene.warnings.iter().map(|warning| format!("{}: {}", name(warning.place.clone()), warning.message)).collect()
 }
 
+fn warnings_of(name: &str, content: impl AsRef<[u8]>) -> Vec<String> {
+    warnings(&[(name, content.as_ref())])
+}
+
 const OBJ: &[u8] = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
 
 #[test]
@@ -54,11 +58,11 @@ const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\npr
 
 #[test]
 fn rows_of_a_ply_file_beyond_those_promised_are_warned_of() {
-    assert_eq!(warnings(&[("a.ply", PLY.as_bytes())]), [""; 0]);
-    assert_eq!(warnings(&[("a.ply", format!("{PLY}\n  \n").as_bytes())]), [""; 0], "white space says nothing");
+    assert_eq!(warnings_of("a.ply", PLY), [""; 0]);
+    assert_eq!(warnings_of("a.ply", format!("{PLY}\n  \n")), [""; 0], "white space says nothing");
     let surplus = format!("{PLY}9 9 9\n1 2\n");
     assert_eq!(
-        warnings(&[("a.ply", surplus.as_bytes())]),
+        warnings_of("a.ply", surplus),
         ["a.ply: 2 lines beyond the rows that the header declares are left out, the first of them line 14"]
     );
     let header = PLY.split("end_header\n").next().unwrap().replace("ascii", "binary_little_endian");
@@ -70,12 +74,9 @@ fn rows_of_a_ply_file_beyond_those_promised_are_warned_of() {
     for corner in [0_i32, 1, 2] {
         binary.extend(corner.to_le_bytes());
     }
-    assert_eq!(warnings(&[("a.ply", &binary)]), [""; 0]);
+    assert_eq!(warnings_of("a.ply", &binary), [""; 0]);
     binary.extend([0; 7]);
-    assert_eq!(
-        warnings(&[("a.ply", &binary)]),
-        ["a.ply: 7 bytes beyond the rows that the header declares are left out"]
-    );
+    assert_eq!(warnings_of("a.ply", &binary), ["a.ply: 7 bytes beyond the rows that the header declares are left out"]);
 }
 
 const SPHERE: &str = "WorldBegin\nShape \"sphere\"\n";
@@ -84,31 +85,28 @@ const SPHERE: &str = "WorldBegin\nShape \"sphere\"\n";
 fn attributes_of_pbrt_that_nothing_uses_are_warned_of() {
     let shape = "Attribute \"shape\" \"float radius\" 2 \"float typo\" 3\n";
     assert_eq!(
-        warnings(&[("a.pbrt", format!("{shape}{SPHERE}").as_bytes())]),
+        warnings_of("a.pbrt", format!("{shape}{SPHERE}")),
         ["a.pbrt:1: the attribute \"typo\" for \"shape\" is not used"]
     );
     let kind = "Attribute \"shapes\" \"float radius\" 2\n";
     assert_eq!(
-        warnings(&[("a.pbrt", format!("{kind}{SPHERE}").as_bytes())]),
+        warnings_of("a.pbrt", format!("{kind}{SPHERE}")),
         ["a.pbrt:1: `Attribute \"shapes\"` has an unknown target: give shape, light, material, medium or texture"]
     );
     // One shape has a use for what another has not.
     let two = "Attribute \"shape\" \"float radius\" 2\nWorldBegin\nShape \"sphere\"\n\
                Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]\n";
-    assert_eq!(warnings(&[("a.pbrt", two.as_bytes())]), [""; 0]);
+    assert_eq!(warnings_of("a.pbrt", two), [""; 0]);
     // An attribute of which its scope has made no use, nor any below it.
     let scoped = "WorldBegin\nAttributeBegin\nAttribute \"shape\" \"float zmaxx\" 2\nShape \"sphere\"\nAttributeEnd\n";
-    assert_eq!(
-        warnings(&[("a.pbrt", scoped.as_bytes())]),
-        ["a.pbrt:3: the attribute \"zmaxx\" for \"shape\" is not used"]
-    );
+    assert_eq!(warnings_of("a.pbrt", scoped), ["a.pbrt:3: the attribute \"zmaxx\" for \"shape\" is not used"]);
 }
 
 #[test]
 fn parameters_of_media_are_named() {
     let medium = "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"float scale\" 1\n";
     assert_eq!(
-        warnings(&[("a.pbrt", format!("{medium}{SPHERE}").as_bytes())]),
+        warnings_of("a.pbrt", format!("{medium}{SPHERE}")),
         ["a.pbrt:1: `MakeNamedMedium` is left out: media are not supported"]
     );
 }
