@@ -247,11 +247,8 @@ fn smallest_radiance(holds: impl Fn(f32) -> bool) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_images::{film_by_index, film_of, linear};
     use proptest::prelude::*;
-
-    fn linear(tone: ToneCurve) -> Development {
-        Development { tone, encoding: Encoding::Power(1.0), ..Development::default() }
-    }
 
     #[test]
     fn srgb_has_its_known_values() {
@@ -270,7 +267,7 @@ mod tests {
 
     #[test]
     fn bytes_are_rounded_to_the_nearest() {
-        let development = linear(ToneCurve::Clamp);
+        let development = linear();
         assert_eq!(development.byte(0.4999 / 255.0), 0);
         assert_eq!(development.byte(0.5001 / 255.0), 1);
         assert_eq!(development.byte(254.4999 / 255.0), 254);
@@ -279,9 +276,9 @@ mod tests {
 
     #[test]
     fn exposure_counts_stops() {
-        let brighter = Development { exposure: 2.0, ..linear(ToneCurve::Clamp) };
+        let brighter = Development { exposure: 2.0, ..linear() };
         assert_eq!(brighter.byte(0.1), 102);
-        let darker = Development { exposure: -1.0, ..linear(ToneCurve::Clamp) };
+        let darker = Development { exposure: -1.0, ..linear() };
         assert_eq!(darker.byte(1.0), 128);
     }
 
@@ -321,19 +318,18 @@ mod tests {
         let mut film = Image::new(3, 1, true);
         film.pixels_mut().copy_from_slice(&[[0.25, 0.125, 0.0], [1.0, 1.0, 1.0], [1.0, 0.5, 0.0]]);
         film.alpha_mut().expect("asked for").copy_from_slice(&[0.5, 0.0, 1.0]);
-        let developed = linear(ToneCurve::Clamp).develop(&film);
+        let developed = linear().develop(&film);
         assert_eq!((developed.width, developed.height, developed.channels), (3, 1, 4));
         assert_eq!(developed.bytes, [128, 64, 0, 128, 0, 0, 0, 0, 255, 128, 0, 255]);
-        let opaque = linear(ToneCurve::Clamp).develop_over_black(&film);
+        let opaque = linear().develop_over_black(&film);
         assert_eq!(opaque.bytes, [64, 32, 0, 255, 255, 255, 255, 128, 0]);
     }
 
     #[test]
     fn coverage_beyond_one_does_not_darken() {
-        let mut film = Image::new(1, 1, true);
-        film.pixels_mut()[0] = [0.5; 3];
+        let mut film = film_by_index(1, 1, true, |_| [0.5; 3]);
         film.alpha_mut().expect("asked for")[0] = 2.0;
-        assert_eq!(linear(ToneCurve::Clamp).develop(&film).bytes, [128, 128, 128, 255]);
+        assert_eq!(linear().develop(&film).bytes, [128, 128, 128, 255]);
     }
 
     #[test]
@@ -356,18 +352,14 @@ mod tests {
 
     /// A film whose value depends on the column only.
     fn columns(width: u32, height: u32, value: impl Fn(u32) -> f32) -> Image {
-        let mut film = Image::new(width, height, false);
-        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
-            *pixel = [value(index as u32 % width); 3];
-        }
-        film
+        film_of(width, height, |x, _| [value(x); 3])
     }
 
     #[test]
     fn a_dithered_gradient_has_the_local_means_of_its_values() {
         // Four levels in steps of a thousandth, each 16 pixels wide.
         let step = 16;
-        for development in [Development::default(), linear(ToneCurve::Clamp)] {
+        for development in [Development::default(), linear()] {
             let level_of = |x: u32| 60.0 + f64::from(x / step) * 0.001;
             let radiance = |x| development.encoding.decode_signal(level_of(x) / 255.0) as f32;
             let (width, height) = (4000 * step, 16);
@@ -393,13 +385,11 @@ mod tests {
                 "{encoding:?}"
             );
         }
-        for radiance in [0.0, -1.0, f32::NAN, f32::NEG_INFINITY] {
+        let dark = [0.0, -1.0, f32::NAN, f32::NEG_INFINITY].map(|radiance| (radiance, 0));
+        let bright = [1.0, 7.0, f32::INFINITY].map(|radiance| (radiance, 255));
+        for (radiance, level) in dark.into_iter().chain(bright) {
             let bytes = dithered(Development::default(), [0; 2]).develop(&columns(64, 64, |_| radiance)).bytes;
-            assert!(bytes.iter().all(|&byte| byte == 0), "{radiance}");
-        }
-        for radiance in [1.0, 7.0, f32::INFINITY] {
-            let bytes = dithered(Development::default(), [0; 2]).develop(&columns(64, 64, |_| radiance)).bytes;
-            assert!(bytes.iter().all(|&byte| byte == 255), "{radiance}");
+            assert!(bytes.iter().all(|&byte| byte == level), "{radiance}");
         }
     }
 
@@ -416,10 +406,9 @@ mod tests {
 
     #[test]
     fn coverage_is_not_dithered_and_the_colour_below_it_is() {
-        let mut film = Image::new(64, 64, true);
-        film.pixels_mut().fill([0.1; 3]);
+        let mut film = film_by_index(64, 64, true, |_| [0.1; 3]);
         film.alpha_mut().expect("asked for").fill(0.4);
-        let bytes = dithered(linear(ToneCurve::Clamp), [0; 2]).develop(&film).bytes;
+        let bytes = dithered(linear(), [0; 2]).develop(&film).bytes;
         assert!(bytes.chunks_exact(4).all(|pixel| pixel[3] == 102));
         let red: Vec<u8> = bytes.chunks_exact(4).map(|pixel| pixel[0]).collect();
         assert!(red.contains(&63) && red.contains(&64), "0.25 is between two levels");

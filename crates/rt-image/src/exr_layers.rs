@@ -102,14 +102,10 @@ mod tests {
     use exr::prelude::{ReadChannels as _, ReadLayers as _, read};
 
     use super::*;
-    use crate::read_image;
+    use crate::{read_image, test_images::film_by_index};
 
     fn film() -> Image {
-        let mut film = Image::new(3, 2, true);
-        for (i, pixel) in film.pixels_mut().iter_mut().enumerate() {
-            *pixel = [i as f32, 0.1, -2.5e-20];
-        }
-        film
+        film_by_index(3, 2, true, |index| [index as f32, 0.1, -2.5e-20])
     }
 
     fn depth() -> Layer<'static> {

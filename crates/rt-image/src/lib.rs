@@ -51,6 +51,8 @@ pub mod metrics;
 mod pfm;
 #[cfg(feature = "files")]
 mod read_image;
+#[cfg(test)]
+mod test_images;
 #[cfg(feature = "files")]
 mod texture_pixels;
 mod tone_curve;

@@ -39,8 +39,6 @@ mod pair;
 mod plane;
 mod psnr;
 mod ssim;
-#[cfg(test)]
-mod test_images;
 
 pub use bias::{Bias, Estimate, bias};
 pub use coverage::coverage_difference;

@@ -266,7 +266,8 @@ fn premultiply([r, g, b, a]: [usize; 4], light: &[f32]) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Development, image_decoder::png_bytes, write_image, write_layers};
+    use crate::test_images::{film_by_index, written};
+    use crate::{Development, image_decoder::png_bytes, write_layers};
     use proptest::prelude::*;
 
     fn read_bytes(bytes: &[u8]) -> Result<Image, ImageFileError> {
@@ -274,14 +275,9 @@ mod tests {
     }
 
     fn encoded(format: ImageFormat) -> Vec<u8> {
-        let mut film = Image::new(12, 7, true);
-        for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
-            *pixel = [index as f32 / 84.0, 0.5, 0.1];
-        }
+        let mut film = film_by_index(12, 7, true, |index| [index as f32 / 84.0, 0.5, 0.1]);
         film.alpha_mut().expect("asked for").fill(0.75);
-        let mut bytes = Vec::new();
-        write_image(&film, &Development::default(), format, &mut bytes).expect("written");
-        bytes
+        written(&film, &Development::default(), format)
     }
 
     fn encoded_by_image(image: &DynamicImage) -> Vec<u8> {
@@ -321,10 +317,9 @@ mod tests {
 
     #[test]
     fn developing_what_was_read_gives_the_same_bytes() {
-        let film = read_bytes(&encoded(ImageFormat::Png)).expect("readable");
-        let mut again = Vec::new();
-        write_image(&film, &Development::default(), ImageFormat::Png, &mut again).expect("written");
-        assert_eq!(again, encoded(ImageFormat::Png));
+        let bytes = encoded(ImageFormat::Png);
+        let film = read_bytes(&bytes).expect("readable");
+        assert_eq!(written(&film, &Development::default(), ImageFormat::Png), bytes);
     }
 
     #[test]

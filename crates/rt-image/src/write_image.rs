@@ -111,29 +111,23 @@ fn step_below(value: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::read_image;
-    use std::{io, path::PathBuf};
+    use crate::test_images::{film, film_by_index, written};
+    use std::io;
 
-    fn written(image: &Image, development: &Development, format: ImageFormat) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        write_image(image, development, format, &mut bytes).expect("written");
-        bytes
-    }
-
-    /// Writes the image to a file of a new folder, to be read back.
-    fn saved(image: &Image, format: ImageFormat) -> (tempfile::TempDir, PathBuf) {
+    /// Writes the image to a file, and reads it.
+    fn read_back(image: &Image, format: ImageFormat) -> Image {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("image");
         std::fs::write(&path, written(image, &Development::default(), format)).expect("a file");
-        (folder, path)
+        read_image(&path).expect("readable")
     }
 
     /// Values over the whole range of `f32`, also those that no image should hold.
     fn varied_image(with_alpha: bool) -> Image {
-        let mut image = Image::new(9, 5, with_alpha);
-        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
+        let mut image = film_by_index(9, 5, with_alpha, |index| {
             let value = index as f32;
-            *pixel = [value / 44.0, 1e30 / (1.0 + value), -value * 1e-40];
-        }
+            [value / 44.0, 1e30 / (1.0 + value), -value * 1e-40]
+        });
         image.pixels_mut()[7] = [f32::INFINITY, -0.0, f32::MAX];
         if let Some(alpha) = image.alpha_mut() {
             for (index, alpha) in alpha.iter_mut().enumerate() {
@@ -147,8 +141,7 @@ mod tests {
     fn exr_keeps_every_bit() {
         for with_alpha in [false, true] {
             let image = varied_image(with_alpha);
-            let (_folder, path) = saved(&image, ImageFormat::Exr);
-            assert_eq!(read_image(&path).expect("readable").checksum(), image.checksum());
+            assert_eq!(read_back(&image, ImageFormat::Exr).checksum(), image.checksum());
         }
     }
 
@@ -168,8 +161,7 @@ mod tests {
     #[test]
     fn pfm_keeps_every_bit_of_radiance() {
         let image = varied_image(false);
-        let (_folder, path) = saved(&image, ImageFormat::Pfm);
-        assert_eq!(read_image(&path).expect("readable").checksum(), image.checksum());
+        assert_eq!(read_back(&image, ImageFormat::Pfm).checksum(), image.checksum());
     }
 
     #[test]
@@ -186,10 +178,7 @@ mod tests {
 
     #[test]
     fn jpeg_is_close_to_the_developed_bytes() {
-        let mut image = Image::new(16, 16, true);
-        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
-            *pixel = [index as f32 / 255.0, 0.25, 0.5];
-        }
+        let image = film_by_index(16, 16, true, |index| [index as f32 / 255.0, 0.25, 0.5]);
         let development = Development::default();
         let decoded = image::load_from_memory(&written(&image, &development, ImageFormat::Jpeg)).expect("a JPEG");
         let developed = development.develop_over_black(&image).bytes;
@@ -200,12 +189,8 @@ mod tests {
 
     #[test]
     fn hdr_keeps_seven_bits() {
-        let mut image = Image::new(40, 3, false);
-        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
-            *pixel = [1e-3 * index as f32, 1.0, index as f32 * 1e3];
-        }
-        let (_folder, path) = saved(&image, ImageFormat::Hdr);
-        let read = read_image(&path).expect("readable");
+        let image = film_by_index(40, 3, false, |index| [1e-3 * index as f32, 1.0, index as f32 * 1e3]);
+        let read = read_back(&image, ImageFormat::Hdr);
         for (a, b) in image.pixels().iter().zip(read.pixels()) {
             let largest = a.iter().fold(0f32, |largest, &value| largest.max(value));
             assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= largest / 128.0), "{a:?} {b:?}");
@@ -215,14 +200,12 @@ mod tests {
     /// Regression: the encoder cuts bits off, so that files were 0.3 to 0.4 % too dark.
     #[test]
     fn hdr_is_rounded_to_the_nearest_number() {
-        let mut image = Image::new(64, 64, false);
-        for (index, pixel) in image.pixels_mut().iter_mut().enumerate() {
+        let mut image = film_by_index(64, 64, false, |index| {
             let number = |offset: u64| even_number(index as u64 * 3 + offset);
-            *pixel = [number(0), 0.1 * number(1), 3.0 * number(2)];
-        }
+            [number(0), 0.1 * number(1), 3.0 * number(2)]
+        });
         image.pixels_mut()[0] = [0.999, 0.998, 0.501];
-        let (_folder, path) = saved(&image, ImageFormat::Hdr);
-        let read = read_image(&path).expect("readable");
+        let read = read_back(&image, ImageFormat::Hdr);
         let mut bias = 0.0;
         for (a, b) in image.pixels().iter().zip(read.pixels()) {
             let largest = a.iter().fold(0f32, |largest, &value| largest.max(value));
@@ -241,16 +224,14 @@ mod tests {
 
     #[test]
     fn hdr_of_tiny_or_huge_radiance_does_not_wrap_around() {
-        let mut image = Image::new(5, 1, false);
-        image.pixels_mut().copy_from_slice(&[
+        let pixels = [
             [1e-40, 0.0, 0.0],
             [f32::INFINITY, 0.0, 0.0],
             [f32::NAN, 1.0, -3.0],
             [f32::MAX, 1.0, 0.0],
             [f32::MIN_POSITIVE, 0.0, 0.0],
-        ]);
-        let (_folder, path) = saved(&image, ImageFormat::Hdr);
-        let read = read_image(&path).expect("readable");
+        ];
+        let read = read_back(&film(5, 1, &pixels), ImageFormat::Hdr);
         let red = |index: usize| read.pixels()[index][0];
         assert_eq!(read.pixels()[0], [0.0; 3]);
         assert!(red(1) > 1e38 && red(3) > 1e38);

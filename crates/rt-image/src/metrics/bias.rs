@@ -47,7 +47,7 @@ pub fn bias(pair: &ImagePair<'_>) -> Bias {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::test_images::{film, film_of};
+    use crate::test_images::{film, film_of};
 
     #[test]
     fn of_three_pixels_by_hand() {

@@ -73,7 +73,7 @@ pub fn signed_error(pair: &ImagePair<'_>) -> ErrorMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::test_images::{film, film_of};
+    use crate::test_images::{film, film_of};
 
     #[test]
     fn the_channel_that_differs_most_gives_its_sign() {

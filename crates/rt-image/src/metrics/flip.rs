@@ -143,7 +143,7 @@ struct Perceived {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::test_images::{brightened, disturbed_ramps, film_of, ramps};
+    use crate::test_images::{brightened, disturbed_ramps, film_of, ramps};
     use proptest::prelude::*;
 
     fn ldr(test: &Image, reference: &Image) -> ErrorMap {

@@ -66,10 +66,8 @@ pub fn heat_map(map: &ErrorMap, scale: ColourScale, limit: f64) -> Image {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Development,
-        metrics::{ImagePair, signed_error, test_images::film},
-    };
+    use crate::metrics::{ImagePair, signed_error};
+    use crate::{Development, test_images::film};
 
     #[test]
     fn scales_run_from_end_to_end() {

@@ -42,7 +42,7 @@ pub fn largest_difference(pair: &ImagePair<'_>) -> LargestDifference {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::test_images::film;
+    use crate::test_images::film;
 
     #[test]
     fn the_first_of_equals_is_found_with_its_sign() {

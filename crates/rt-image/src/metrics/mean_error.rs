@@ -76,7 +76,7 @@ pub(super) fn mean(pair: &ImagePair<'_>, measure: impl Fn(&PixelPair) -> [f64; 3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::test_images::{disturbed_ramps, film, film_of, ramps};
+    use crate::test_images::{disturbed_ramps, film, film_of, ramps};
 
     #[test]
     fn of_two_pixels_by_hand() {

@@ -119,7 +119,7 @@ impl PixelPair {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::test_images::film;
+    use crate::test_images::film;
 
     #[test]
     fn sizes_must_agree() {

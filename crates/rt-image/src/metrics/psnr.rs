@@ -22,14 +22,8 @@ pub fn psnr(pair: &ImagePair<'_>, development: &Development) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Encoding, ToneCurve,
-        metrics::test_images::{film, film_of},
-    };
-
-    fn linear() -> Development {
-        Development { encoding: Encoding::Power(1.0), ..Development::default() }
-    }
+    use crate::ToneCurve;
+    use crate::test_images::{film, film_of, linear};
 
     #[test]
     fn a_tenth_of_the_signal_is_twenty_decibels() {

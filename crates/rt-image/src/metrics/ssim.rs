@@ -65,14 +65,7 @@ fn window() -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Encoding,
-        metrics::test_images::{disturbed_ramps, film_of, ramps},
-    };
-
-    fn linear() -> Development {
-        Development { encoding: Encoding::Power(1.0), ..Development::default() }
-    }
+    use crate::test_images::{disturbed_ramps, film_of, linear, ramps};
 
     fn of(test: &Image, reference: &Image) -> Option<f64> {
         ssim(&ImagePair::new(test, reference).expect("alike"), &linear())

@@ -60,7 +60,7 @@ fn radiance_displayed_as(light: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ToneCurve, metrics::test_images::film};
+    use crate::{ToneCurve, test_images::film};
     use rt_math::transcendental::exp2;
 
     #[test]
