@@ -16,7 +16,7 @@
 //! (exponent + 8)/8 normalises the lobe for lights whose diffuse reflection is not divided by π (Akenine-Möller et al.,
 //! Real-Time Rendering, 4th ed., section 9.8). The bound keeps the highlight of a point light no brighter than the light.
 //! Textured roughness and metalness are replaced by their means; under `path` they vary. Transmission becomes a dielectric
-//! with Fresnel's equations. Clearcoat, sheen and anisotropy are left out.
+//! with Fresnel's equations, whose mirror has the share of the transmission. Clearcoat, sheen and anisotropy are left out.
 
 use crate::bsdf::ThinGlass;
 use crate::{
@@ -106,7 +106,8 @@ fn partly_mirrored(reflectance: ColorTexture, share: f64) -> Phong {
     Phong { mirror: reflectance.scaled(share), ..Phong::lambertian(reflectance.scaled(1.0 - share)) }
 }
 
-/// Adds `part` times a weight to `sum`. Of each coefficient, the first texture is kept.
+/// Adds `part` times a weight to `sum`. Of each coefficient, the first texture is kept. Fresnel's equations weigh all of the mirror and
+/// transmission if they weigh that of one part.
 fn added(sum: Phong, weight: f64, part: &Phong) -> Phong {
     let add = |sum: ColorTexture, part: ColorTexture| match (sum, part.scaled(weight)) {
         (ColorTexture::Constant(a), ColorTexture::Constant(b)) => ColorTexture::Constant(a + b),
@@ -119,7 +120,14 @@ fn added(sum: Phong, weight: f64, part: &Phong) -> Phong {
         exponent: if part.specular.is_zero() { sum.exponent } else { part.exponent },
         highlight: sum.highlight,
         mirror: add(sum.mirror, part.mirror),
-        transmission: sum.transmission.or(part.transmission),
+        transmission: match (sum.transmission, part.transmission) {
+            (sum, None) => sum,
+            (None, Some(part)) => Some(Transmission { coefficient: part.coefficient.scaled(weight), ..part }),
+            (Some(sum), Some(part)) => Some(Transmission {
+                coefficient: add(sum.coefficient, part.coefficient),
+                fresnel: sum.fresnel || part.fresnel,
+            }),
+        },
     }
 }
 
@@ -141,8 +149,8 @@ fn convert_layered(layered: &LayeredSurface) -> Phong {
         specular: ColorTexture::Constant(f0.map(|f| (1.0 - roughness) * (f * strength).min(1.0))),
         exponent,
         highlight: Highlight::Blinn,
-        // Fresnel's equations weigh the mirror of glass.
-        mirror: if is_glass { ColorTexture::Constant(Rgb::WHITE) } else { base.scaled(metallic * smooth) },
+        // Fresnel's equations weigh the mirror of glass, which is a share of the surface.
+        mirror: if is_glass { ColorTexture::Constant(Rgb::gray(transmission)) } else { base.scaled(metallic * smooth) },
         transmission: is_glass.then_some(Transmission { coefficient: transmitted, fresnel: true }),
     }
 }

@@ -64,6 +64,38 @@ fn thin_glass_transmits_what_it_does_not_reflect() {
     }
 }
 
+/// The light that white surfaces return, whichever part Fresnel's equations reflect.
+#[test]
+fn no_conversion_gains_light() {
+    let white = ColorTexture::Constant(Rgb::WHITE);
+    let base = |metallic, roughness| LayeredBase::MetallicRoughness { base_color: white, metallic, roughness };
+    let mut models = vec![
+        MaterialModel::Diffuse { albedo: white, roughness: 0.5 },
+        MaterialModel::Mirror { reflectance: white },
+        MaterialModel::ThinGlass { ior: 1.5, transmittance: white },
+        MaterialModel::MetallicRoughness { base_color: white, metallic: 0.5, roughness: 0.25 },
+    ];
+    for transmission in [0.0, 0.25, 0.5, 1.0] {
+        for metallic in [0.0, 0.5, 1.0] {
+            let layered = LayeredSurface::new(base(constant(metallic), constant(0.25)));
+            let glass = LayeredSurface { transmission: constant(transmission), ..layered };
+            models.push(MaterialModel::Layered(Box::new(glass)));
+        }
+    }
+    let pairs: Vec<_> = models.iter().flat_map(|a| models.iter().map(move |b| (a.clone(), b.clone()))).collect();
+    models.extend(pairs.into_iter().map(|(a, b)| MaterialModel::Mix(vec![(0.5, a), (0.5, b)])));
+    for model in &models {
+        let phong = convert(model);
+        for reflected in [0.0, 0.04, 0.5, 1.0] {
+            let (fresnel, transmitted) =
+                phong.transmission.map_or((false, 0.0), |it| (it.fresnel, red(it.coefficient)));
+            let [of_mirror, of_transmission] = if fresnel { [reflected, 1.0 - reflected] } else { [1.0; 2] };
+            let returned = red(phong.diffuse) + red(phong.mirror) * of_mirror + transmitted * of_transmission;
+            assert!(returned <= 1.0 + 1e-12, "{returned} of {model:?}");
+        }
+    }
+}
+
 #[test]
 fn extreme_values_stay_finite() {
     for roughness in [0.0, 1e-9, 1.0] {
