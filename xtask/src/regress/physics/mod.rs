@@ -129,8 +129,8 @@ impl PairUnit {
         match (pair.expect, differs) {
             (Expect::Agree, _) => findings.problems.clone_from(&comparison.problems),
             (Expect::Convention, false) => findings.problem("agrees, although a convention makes it differ"),
-            (Expect::Convention, true) if recorded.is_none() => {
-                findings.note(format!("differs by convention; {CONVENTIONS} does not say by how much"));
+            (Expect::Convention | Expect::Known, true) if recorded.is_none() => {
+                findings.problem(format!("differs as expected, but {CONVENTIONS} does not say by how much"));
             }
             (Expect::Known, false) => findings.note("agrees by now, although it was known to differ"),
             (Expect::Known, true) => findings.note("differs, as is known"),
