@@ -106,7 +106,7 @@ impl Bvh {
         let [left, right] = [0, 1].map(|side| self.nodes.first().map(|root| root.child_box(side)));
         let whole = left?.union(right?).half_area();
         let below: f64 = self.nodes.iter().flat_map(boxes).map(|(area, count)| area * relative_cost(count)).sum();
-        (whole > 0.0).then(|| 1.0 + below / whole)
+        (whole > 0.0 && whole < f64::INFINITY).then(|| 1.0 + below / whole)
     }
 
     #[inline]
@@ -192,6 +192,12 @@ mod tests {
     use crate::binned_sah::MAX_LEAF;
     use glam::Vec3A;
     use rt_math::random::{hash, unit};
+
+    #[test]
+    fn bounds_of_infinite_area_have_no_cost() {
+        let boxes = [Aabb::new(DVec3::splat(-1e307), DVec3::splat(1e307)), Aabb::new(DVec3::ZERO, DVec3::ONE)];
+        assert_eq!(Bvh::build(&crate::Boxes(&boxes)).expect("boxes").build_stats().sah_cost, None);
+    }
 
     fn items(count: u32) -> Vec<(u32, Aabb32)> {
         let item = |index: u32| {

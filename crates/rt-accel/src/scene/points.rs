@@ -74,11 +74,11 @@ impl Scene<'_> {
         }
     }
 
-    /// Distance from the nearest surface: negative inside, as by [`contains`](Self::contains). `None` in an empty scene,
+    /// Distance from the nearest surface: negative inside, as by [`contains`](Self::contains), and 0 on it. `None` in an empty scene,
     /// and where [`nearest_point`](Self::nearest_point) has none.
     pub fn signed_distance(&self, point: DVec3) -> Option<f64> {
         let distance = self.nearest_point(point, f64::INFINITY)?.distance;
-        Some(if self.contains(point) { -distance } else { distance })
+        Some(if distance > 0.0 && self.contains(point) { -distance } else { distance })
     }
 }
 

@@ -164,6 +164,7 @@ proptest! {
         };
         let distance = scene.signed_distance(DVec3::from(point)).expect("a surface");
         prop_assert!((distance - expected).abs() <= 1e-12, "{} is not {}", distance, expected);
+        prop_assert!(distance != 0.0 || distance.is_sign_positive());
     }
 }
 
