@@ -151,9 +151,10 @@ impl LayeredSurface {
         Layered { diffuse: below, glass: (weight > 0.0).then_some((weight, glass)), ..layers }
     }
 
-    /// Indices of refraction of red, green and blue, where that of green is `ior`.
+    /// Indices of refraction of red, green and blue, where that of green is `ior`. The glTF index 0, which stands for an infinite one, has no
+    /// dispersion.
     fn iors(&self, ior: f64) -> [f64; 3] {
-        let spread = (self.ior - 1.0) * 0.025 * self.dispersion / self.ior;
+        let spread = if self.ior == 0.0 { 0.0 } else { (self.ior - 1.0) * 0.025 * self.dispersion / self.ior };
         [1.0 - spread, 1.0, 1.0 + spread].map(|part| ior * part)
     }
 
@@ -286,6 +287,19 @@ mod tests {
     use super::*;
 
     /// Regression: solids of half metal and half glass reflected 20 times the diffuse light.
+    #[test]
+    fn an_infinite_index_of_refraction_has_no_dispersion() {
+        for dispersion in [0.0, 1.0] {
+            let base = LayeredBase::MetallicRoughness {
+                base_color: ColorTexture::Constant(Rgb::WHITE),
+                metallic: FloatTexture::Constant(0.0),
+                roughness: FloatTexture::Constant(0.0),
+            };
+            let invisible = LayeredSurface { ior: 0.0, dispersion, ..LayeredSurface::new(base) };
+            assert_eq!(invisible.iors(1.0), [1.0; 3]);
+        }
+    }
+
     #[test]
     fn the_rest_of_a_solid_is_the_metal_and_the_plastic_that_glass_leaves() {
         let constant = FloatTexture::Constant;

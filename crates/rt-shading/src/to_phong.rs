@@ -142,16 +142,25 @@ fn convert_layered(layered: &LayeredSurface) -> Phong {
     let specular = layered.specular_color.factor() * layered.specular.mean();
     let f0 = (specular * (fresnel * fresnel)).map(|f| f.min(1.0)).lerp(base.factor(), metallic);
     let transmitted = base.scaled(transmission);
-    let is_glass = !transmitted.is_zero();
+    // The mirror of glass is a share of the surface, which Fresnel's equations weigh. A thin pane is that of its normal.
+    let (mirror, transmission) = if transmitted.is_zero() {
+        (base.scaled(metallic * smooth), None)
+    } else if layered.is_thin {
+        let reflected = layered.specular.mean() * fresnel * fresnel;
+        let pane = Transmission { coefficient: transmitted.scaled(1.0 - reflected), fresnel: false };
+        (ColorTexture::Constant(Rgb::gray(transmission * reflected)), Some(pane))
+    } else {
+        let glass = Transmission { coefficient: transmitted, fresnel: true };
+        (ColorTexture::Constant(Rgb::gray(transmission)), Some(glass))
+    };
     Phong {
         ambient: base.scaled(0.1 * diffuse),
         diffuse: base.scaled(diffuse),
         specular: ColorTexture::Constant(f0.map(|f| (1.0 - roughness) * (f * strength).min(1.0))),
         exponent,
         highlight: Highlight::Blinn,
-        // Fresnel's equations weigh the mirror of glass, which is a share of the surface.
-        mirror: if is_glass { ColorTexture::Constant(Rgb::gray(transmission)) } else { base.scaled(metallic * smooth) },
-        transmission: is_glass.then_some(Transmission { coefficient: transmitted, fresnel: true }),
+        mirror,
+        transmission,
     }
 }
 

@@ -76,9 +76,9 @@ fn no_conversion_gains_light() {
         MaterialModel::MetallicRoughness { base_color: white, metallic: 0.5, roughness: 0.25 },
     ];
     for transmission in [0.0, 0.25, 0.5, 1.0] {
-        for metallic in [0.0, 0.5, 1.0] {
+        for (metallic, is_thin) in [(0.0, true), (0.5, true), (1.0, true), (0.0, false), (0.5, false), (1.0, false)] {
             let layered = LayeredSurface::new(base(constant(metallic), constant(0.25)));
-            let glass = LayeredSurface { transmission: constant(transmission), ..layered };
+            let glass = LayeredSurface { transmission: constant(transmission), is_thin, ..layered };
             models.push(MaterialModel::Layered(Box::new(glass)));
         }
     }
@@ -107,12 +107,22 @@ fn extreme_values_stay_finite() {
 
 #[test]
 fn transmission_becomes_a_dielectric_with_fresnels_equations() {
-    let glass = LayeredSurface { transmission: constant(1.0), ior: 1.3, ..layered(0.0, 0.0) };
+    let glass = LayeredSurface { transmission: constant(1.0), ior: 1.3, is_thin: false, ..layered(0.0, 0.0) };
     let material = Material::new(String::new(), MaterialModel::Layered(Box::new(glass)));
     let phong = material.to_phong();
     assert!(phong.diffuse.is_zero());
     assert!(phong.transmission.expect("a dielectric").fresnel && red(phong.mirror) == 1.0);
     assert_eq!((material.phong_interior(), material.interior), (Some(InteriorMedium::clear(1.3)), None));
+}
+
+/// F0 = ((2 − 1)/(2 + 1))², of half of the surface.
+#[test]
+fn a_thin_layered_pane_reflects() {
+    let pane = LayeredSurface { transmission: constant(0.5), ior: 2.0, ..layered(0.0, 0.0) };
+    let phong = convert_layered(&pane);
+    let transmission = phong.transmission.expect("a pane");
+    assert!(!transmission.fresnel && (red(phong.mirror) - 0.5 / 9.0).abs() < 1e-15, "{phong:?}");
+    assert!((red(transmission.coefficient) - 0.8 * 0.5 * 8.0 / 9.0).abs() < 1e-15, "{phong:?}");
 }
 
 #[test]
