@@ -6,9 +6,13 @@
 //! specular     = Ks · map_Ks from illumination model 2 on, with the half vector of Blinn and exponent Ns
 //! emission     = Ke · map_Ke
 //! mirror       = Ks       for models 3, 4, 5, 8, 9 (reflection) and 6 (refraction); all for 7 (Fresnel)
-//! transmission = Tf       for models 6 and 7, refracted by Ni; 7 splits the light by Fresnel's equations
-//!              = 1 − d    otherwise, without refraction
+//! transmission = (1 − Ks) · Tf  for model 6, refracted by Ni
+//!              = Tf             for model 7, refracted by Ni; Fresnel's equations split the light
+//!              = 1 − d          otherwise, without refraction
 //! ```
+//!
+//! Colours are multiplied per channel, and differences are at least 0. The transmission of model 6 is constant: it uses Ks
+//! without map_Ks.
 //!
 //! Materials with a physically based parameter have a second model: the metallic-roughness model of glTF, or a dielectric for
 //! models 6 and 7. The file states both, so that the Phong model remains as `phong_override`.
@@ -56,6 +60,7 @@ const AMBIENT_SHARE: f64 = 0.1;
 /// Material with these maps of `textures`. All numbers of `mtl` must be finite and not negative.
 pub(super) fn material(mtl: &tobj::Material, maps: MaterialMaps, textures: &[Texture]) -> Material {
     let phong = phong(mtl, maps);
+    let interior = is_transmissive(mtl, maps, &phong).then(|| InteriorMedium::clear(ior(mtl)));
     let (model, phong_override) = match physically_based(mtl, maps, textures) {
         Some(model) => (model, Some(phong)),
         None => (phong.into(), None),
@@ -63,8 +68,7 @@ pub(super) fn material(mtl: &tobj::Material, maps: MaterialMaps, textures: &[Tex
     Material {
         phong_override,
         emission: emission(mtl, maps),
-        // Glass whose filter passes no light encloses no medium.
-        interior: phong.transmission.map(|_| InteriorMedium::clear(ior(mtl))),
+        interior,
         alpha: alpha(mtl, maps),
         normal_map: maps.normal_map,
         ..Material::new(mtl.name.clone(), model)
@@ -76,7 +80,7 @@ fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     let opacity = if is_blended(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
     let kd = base_colour(mtl, maps);
-    let ks = mtl.specular.map_or(Rgb::BLACK, rgb);
+    let ks = specular_colour(mtl);
     Phong {
         ambient: coefficient(maps.diffuse, kd * (AMBIENT_SHARE * opacity)),
         diffuse: coefficient(maps.diffuse, kd * opacity),
@@ -179,6 +183,12 @@ pub(super) const fn is_glass(mtl: &tobj::Material) -> bool {
     matches!(mtl.illumination_model, Some(6 | 7))
 }
 
+/// True if light passes the Phong model or the dielectric. Glass whose filter passes no light encloses no medium.
+fn is_transmissive(mtl: &tobj::Material, maps: MaterialMaps, phong: &Phong) -> bool {
+    let is_dielectric = is_glass(mtl) && is_physically_based(mtl, maps);
+    phong.transmission.is_some() || (is_dielectric && !filter_colour(mtl).is_black())
+}
+
 /// True if meshes of the material need tangents.
 pub(super) fn needs_tangents(mtl: &tobj::Material) -> bool {
     let bumps = mtl.normal_texture.is_some() || mtl.unknown_param.contains_key("norm");
@@ -214,9 +224,14 @@ fn opacity(mtl: &tobj::Material) -> f64 {
 }
 
 fn transmission(mtl: &tobj::Material, model: u8, opacity: f64) -> Option<Transmission> {
-    let filter = if matches!(model, 6 | 7) { filter_colour(mtl) } else { Rgb::gray(1.0 - opacity) };
-    let coefficient = ColorTexture::Constant(filter);
-    (!filter.is_black()).then_some(Transmission { coefficient, fresnel: model == 7 })
+    let transmitted = match model {
+        // The factor of the MTL specification for light that is not mirrored.
+        6 => remainder(specular_colour(mtl)) * filter_colour(mtl),
+        7 => filter_colour(mtl),
+        _ => Rgb::gray(1.0 - opacity),
+    };
+    let coefficient = ColorTexture::Constant(transmitted);
+    (!transmitted.is_black()).then_some(Transmission { coefficient, fresnel: model == 7 })
 }
 
 /// Index of refraction behind the surface: `Ni` of glass, otherwise that of air.
@@ -225,12 +240,22 @@ fn ior(mtl: &tobj::Material) -> f64 {
     if ior > 0.0 { ior } else { 1.0 }
 }
 
+/// Ks, or the factor of its texture; 0 if unspecified.
+fn specular_colour(mtl: &tobj::Material) -> Rgb {
+    mtl.specular.map_or(Rgb::BLACK, rgb)
+}
+
 /// Tf, the transmitted share of each colour; 1 if unspecified.
 fn filter_colour(mtl: &tobj::Material) -> Rgb {
     let Some(tf) = mtl.unknown_param.get("Tf") else { return Rgb::WHITE };
     let mut numbers = tf.split_whitespace().map(|word| word.parse().unwrap_or(1.0));
     let mut next = || numbers.next().unwrap_or(1.0);
     Rgb::new(next(), next(), next())
+}
+
+/// 1 − `share` per channel, at least 0.
+fn remainder(share: Rgb) -> Rgb {
+    share.map(|share| (1.0 - share).max(0.0))
 }
 
 fn coefficient(texture: Option<TextureId>, colour: Rgb) -> ColorTexture {
@@ -293,6 +318,31 @@ mod tests {
         assert_eq!(made(&text(7)).interior, Some(InteriorMedium::clear(1.5)));
         assert_eq!(with(7).mirror, gray(1.0));
         assert!(!with(6).transmission.expect("glass").fresnel);
+    }
+
+    #[test]
+    fn glass_of_model_6_refracts_what_it_does_not_mirror() {
+        let refracted = |text: &str, maps| phong(&mtl(text), maps).transmission.map(|part| part.coefficient);
+        let (none, mapped) =
+            (MaterialMaps::default(), MaterialMaps { specular: Some(TextureId(3)), ..MaterialMaps::default() });
+        let coloured = Rgb::new(0.75, 0.25, 0.0);
+        for maps in [none, mapped] {
+            assert_eq!(
+                refracted("Ks 0.25 0.5 2\nTf 1 0.5 1\nillum 6", maps),
+                Some(ColorTexture::Constant(coloured)),
+                "{maps:?}"
+            );
+        }
+        assert_eq!(refracted("Ks 0.25\nillum 7", none), Some(gray(1.0)), "split by Fresnel's equations");
+        assert_eq!(refracted("illum 6", none), Some(gray(1.0)), "Ks is 0 if unspecified");
+        assert_eq!(refracted("Ks 1\nillum 6", none), None);
+    }
+
+    #[test]
+    fn media_are_enclosed_by_surfaces_that_transmit_under_some_integrator() {
+        assert_eq!(made("Ks 1\nNi 1.5\nillum 6").interior, None, "a mirror");
+        assert_eq!(made("Ks 1\nNi 1.5\nPr 0\nillum 6").interior, Some(InteriorMedium::clear(1.5)), "a dielectric");
+        assert_eq!(made("Ks 1\nNi 1.5\nPr 0\nTf 0\nillum 6").interior, None, "a black filter");
     }
 
     #[test]
