@@ -1,7 +1,7 @@
 //! MTL materials as Phong models, or as physically based models if they have physically based parameters.
 //!
 //! ```text
-//! diffuse      = d · Kd · map_Kd
+//! diffuse      = d · Kd · map_Kd, and for models 6 and 7 (1 − Tf) of it: what is not transmitted
 //! ambient      = 1/10 of it: exporters rarely write a meaningful Ka
 //! specular     = Ks · map_Ks from illumination model 2 on, with the half vector of Blinn and exponent Ns
 //! emission     = Ke · map_Ke
@@ -79,7 +79,7 @@ fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
     let opacity = if is_blended(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
-    let kd = base_colour(mtl, maps);
+    let kd = base_colour(mtl, maps) * if is_glass(mtl) { remainder(filter_colour(mtl)) } else { Rgb::WHITE };
     let ks = specular_colour(mtl);
     Phong {
         ambient: coefficient(maps.diffuse, kd * (AMBIENT_SHARE * opacity)),
@@ -336,6 +336,26 @@ mod tests {
         assert_eq!(refracted("Ks 0.25\nillum 7", none), Some(gray(1.0)), "split by Fresnel's equations");
         assert_eq!(refracted("illum 6", none), Some(gray(1.0)), "Ks is 0 if unspecified");
         assert_eq!(refracted("Ks 1\nillum 6", none), None);
+    }
+
+    #[test]
+    fn glass_has_no_diffuse_part_beside_what_it_transmits() {
+        let (none, id) = (MaterialMaps::default(), TextureId(3));
+        let mapped = MaterialMaps { diffuse: Some(id), ..none };
+        let clear =
+            |text: &str, maps| phong(&mtl(text), maps).diffuse.is_zero() && phong(&mtl(text), maps).ambient.is_zero();
+        for model in [6, 7] {
+            for maps in [none, mapped] {
+                assert!(clear(&format!("Kd 0.8\nillum {model}"), maps), "{model}: Tf is 1 if unspecified");
+                assert!(clear(&format!("Kd 0.8\nTf 2\nillum {model}"), maps), "{model}: no share is negative");
+            }
+            let coloured = format!("Kd 0.5\nKs 0.5\nd 0.5\nTf 1 0.5 0\nillum {model}");
+            let rest = Rgb::new(0.0, 0.125, 0.25);
+            assert_eq!(phong(&mtl(&coloured), none).diffuse, ColorTexture::Constant(rest), "{model}");
+            assert_eq!(phong(&mtl(&coloured), none).ambient, ColorTexture::Constant(rest * AMBIENT_SHARE), "{model}");
+            assert_eq!(phong(&mtl(&coloured), mapped).diffuse, ColorTexture::Textured(id, rest), "{model}");
+        }
+        assert_eq!(phong(&mtl("Kd 0.5\nTf 1\nillum 4"), none).diffuse, gray(0.5), "other models ignore Tf");
     }
 
     #[test]
