@@ -1,7 +1,7 @@
 //! MTL materials as Phong models, or as physically based models if they have physically based parameters.
 //!
 //! ```text
-//! diffuse      = d · Kd · map_Kd, and for models 6 and 7 (1 − Tf) of it: what is not transmitted
+//! diffuse      = d · Kd · map_Kd; 0 for models 6 and 7 unless Tf is 0
 //! ambient      = 1/10 of it: exporters rarely write a meaningful Ka
 //! specular     = Ks · map_Ks from illumination model 2 on, with the half vector of Blinn and exponent Ns
 //! emission     = Ke · map_Ke
@@ -79,7 +79,9 @@ fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
     let opacity = if is_blended(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
-    let kd = base_colour(mtl, maps) * if is_glass(mtl) { remainder(filter_colour(mtl)) } else { Rgb::WHITE };
+    // A diffuse part beside that of glass would return more light than arrives.
+    let is_clear = is_glass(mtl) && !filter_colour(mtl).is_black();
+    let kd = if is_clear { Rgb::BLACK } else { base_colour(mtl, maps) };
     let ks = specular_colour(mtl);
     Phong {
         ambient: coefficient(maps.diffuse, kd * (AMBIENT_SHARE * opacity)),
@@ -339,23 +341,22 @@ mod tests {
     }
 
     #[test]
-    fn glass_has_no_diffuse_part_beside_what_it_transmits() {
+    fn glass_has_no_diffuse_part() {
         let (none, id) = (MaterialMaps::default(), TextureId(3));
         let mapped = MaterialMaps { diffuse: Some(id), ..none };
-        let clear =
-            |text: &str, maps| phong(&mtl(text), maps).diffuse.is_zero() && phong(&mtl(text), maps).ambient.is_zero();
+        let diffuse = |text: &str, maps| {
+            let Phong { ambient, diffuse, .. } = phong(&mtl(text), maps);
+            assert_eq!(ambient.is_zero(), diffuse.is_zero(), "{text}");
+            diffuse
+        };
         for model in [6, 7] {
-            for maps in [none, mapped] {
-                assert!(clear(&format!("Kd 0.8\nillum {model}"), maps), "{model}: Tf is 1 if unspecified");
-                assert!(clear(&format!("Kd 0.8\nTf 2\nillum {model}"), maps), "{model}: no share is negative");
+            for filter in ["", "Tf 2\n", "Tf 1 0.5 0\n"] {
+                let text = format!("Kd 0.8\n{filter}illum {model}");
+                assert!(diffuse(&text, none).is_zero() && diffuse(&text, mapped).is_zero(), "{text}");
             }
-            let coloured = format!("Kd 0.5\nKs 0.5\nd 0.5\nTf 1 0.5 0\nillum {model}");
-            let rest = Rgb::new(0.0, 0.125, 0.25);
-            assert_eq!(phong(&mtl(&coloured), none).diffuse, ColorTexture::Constant(rest), "{model}");
-            assert_eq!(phong(&mtl(&coloured), none).ambient, ColorTexture::Constant(rest * AMBIENT_SHARE), "{model}");
-            assert_eq!(phong(&mtl(&coloured), mapped).diffuse, ColorTexture::Textured(id, rest), "{model}");
+            assert_eq!(diffuse(&format!("Kd 0.5\nTf 0\nillum {model}"), none), gray(0.5), "{model}");
         }
-        assert_eq!(phong(&mtl("Kd 0.5\nTf 1\nillum 4"), none).diffuse, gray(0.5), "other models ignore Tf");
+        assert_eq!(diffuse("Kd 0.5\nTf 1\nillum 4", none), gray(0.5), "other models ignore Tf");
     }
 
     #[test]
