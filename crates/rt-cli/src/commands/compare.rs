@@ -39,15 +39,9 @@ pub(super) fn run(args: &CompareArgs) -> Result<(), CliError> {
     }
     let pair = images.pair(args)?;
     let measures = Measures::new(&pair, &images, args)?;
+    let verdict = verdict(args, &measures)?;
     let heat_map = output.map(|output| draw(args, &measures, &output)).transpose()?;
-    let comparison = Comparison {
-        args,
-        images: &images,
-        pair: &pair,
-        measures: &measures,
-        heat_map,
-        verdict: verdict(args, &measures)?,
-    };
+    let comparison = Comparison { args, images: &images, pair: &pair, measures: &measures, heat_map, verdict };
     if args.json {
         print(comparison.json())?;
     } else {

@@ -143,6 +143,22 @@ fn heat_maps_have_the_colours_of_their_legend() {
     }
 }
 
+/// The map was drawn before the metric was found to be undefined.
+#[test]
+fn an_undefined_metric_overwrites_no_heat_map() {
+    let place = place_with_images();
+    place.save("small.exr", &Image::new(8, 8, false));
+    place.write("map.png", "an earlier map");
+    for (pair, metric) in [("a.exr b.exr", "coverage"), ("small.exr small.exr", "ssim")] {
+        for map in ["map.png", "new.png"] {
+            let arguments = format!("compare {pair} --metric {metric} --heat-map {map}");
+            place.fails(2, &arguments, &format!("--metric {metric} requires"));
+        }
+        assert_eq!(place.read("map.png"), b"an earlier map", "{metric}");
+        assert!(!place.path("new.png").exists(), "{metric}");
+    }
+}
+
 #[test]
 fn non_finite_pixels_are_reported_and_differ() {
     let place = place_with_images();
