@@ -1,6 +1,7 @@
 //! Any file that can be loaded to a scene file to edit.
 
 use std::collections::HashMap;
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use crate::error::ErrorAt;
@@ -117,12 +118,23 @@ fn move_references(
     }
     let mut left = false;
     for reference in references(file) {
-        let found = resolve_path(reference, input, options).and_then(|path| Ok(path.canonicalize()?));
-        let path = relative(&to, &found.at(input, reference.as_str())?);
-        left |= path.starts_with("..");
+        let found = resolve_path(reference, input, options)
+            .and_then(|path| Ok((in_canonical_folder(&path)?, path.canonicalize()?)));
+        let (path, target) = found.at(input, reference.as_str())?;
+        let path = relative(&to, &path);
+        left |= path.starts_with("..") || !target.starts_with(&to);
         *reference = path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
     }
     Ok(left)
+}
+
+/// Absolute path of a file whose folder has no symbolic links. The file stays a link if it is one: its references are relative
+/// to the folder of the link.
+fn in_canonical_folder(file: &Path) -> io::Result<PathBuf> {
+    match file.file_name() {
+        Some(name) => Ok(folder_of(file).canonicalize()?.join(name)),
+        None => file.canonicalize(),
+    }
 }
 
 /// Path from a folder to a file, both absolute.

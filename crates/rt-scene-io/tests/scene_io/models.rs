@@ -122,6 +122,39 @@ fn references_follow_a_scene_to_another_folder() {
     assert!(text.contains(r#""model": "a.obj""#), "{text}");
 }
 
+/// The reference named the target of the link, whose folder lacks the material library.
+#[cfg(unix)]
+#[test]
+fn a_converted_scene_refers_to_the_link_to_a_model() {
+    let (folder, model) = folder();
+    let at = |name: &str| folder.path().join(name);
+    ["real", "out"].iter().for_each(|name| fs::create_dir(at(name)).unwrap());
+    fs::rename(&model, at("real/t.obj")).unwrap();
+    std::os::unix::fs::symlink("real/t.obj", &model).unwrap();
+    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    let output = at("out/t.ron");
+    let text = convert(&model, &output, &root).unwrap().text;
+    assert!(text.contains("model: \"../a.obj\""), "{text}");
+    fs::write(&output, text).unwrap();
+    assert_eq!(image(&load(&output, &root).unwrap()), image(&load(&model, &root).unwrap()));
+}
+
+/// A scene with a link beside it needs the root of the target of the link.
+#[cfg(unix)]
+#[test]
+fn a_converted_scene_names_the_root_of_links_that_leave_its_folder() {
+    let (folder, model) = folder();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("out")).unwrap();
+    std::os::unix::fs::symlink("../a.obj", at("out/link.obj")).unwrap();
+    fs::write(at("scene.ron"), "(nodes: [(model: \"out/link.obj\")])").unwrap();
+    fs::copy(model.with_extension("mtl"), at("out/a.mtl")).unwrap();
+    fs::copy(model.with_extension("png"), at("out/a.png")).unwrap();
+    let converted = convert(&at("scene.ron"), &at("out/t.ron"), &LoadOptions::default()).unwrap();
+    assert!(converted.text.contains("model: \"link.obj\""), "{}", converted.text);
+    assert!(converted.notes.iter().any(|note| note.contains("--asset-root")), "{:?}", converted.notes);
+}
+
 #[test]
 fn a_scene_changes_materials_of_its_models_by_name() {
     let (folder, _) = folder();
