@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use crate::error::ErrorAt;
+use crate::files::is_absolute;
 use crate::format::{Background, ColorTexture, Material, Node, NodeMaterial, SceneFile};
 use crate::load::{extension, load_standalone_model, read_scene_file, resolve_located};
 use crate::options::folder_of;
@@ -62,6 +63,10 @@ pub fn convert(input: &Path, output: &Path, options: &LoadOptions) -> Result<Con
 fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<String>, Vec<Warning>), LoadError> {
     let (mut file, scene) = load_standalone_model(input, options)?;
     file.name = Some(scene.name.clone());
+    if let Some(name) = input.file_name() {
+        let reference = reference_to(name.as_ref()).at(input, "")?;
+        file.nodes.iter_mut().filter_map(|node| node.model.as_mut()).for_each(|model| model.clone_from(&reference));
+    }
     let left = write_materials(&mut file, &scene);
     let mut notes = scene.notes;
     if !left.is_empty() {
@@ -123,9 +128,22 @@ fn move_references(
         let (path, target) = found.at(input, reference.as_str())?;
         let path = relative(&to, &path);
         left |= path.starts_with("..") || !target.starts_with(&to);
-        *reference = path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/");
+        *reference = reference_to(&path).at(input, reference.as_str())?;
     }
     Ok(left)
+}
+
+/// Relative path as it is written in scenes.
+fn reference_to(path: &Path) -> Result<String, LoadErrorKind> {
+    let name = |part: Component<'_>| part.as_os_str().to_str().filter(|name| !name.contains('\\')).map(str::to_owned);
+    let Some(names) = path.components().map(name).collect::<Option<Vec<_>>>() else {
+        let rule = "contains a backslash or is not UTF-8: rename it";
+        return Err(LoadErrorKind::bad_reference(&path.to_string_lossy(), rule));
+    };
+    let reference = names.join("/");
+    // The names `c:d` and `file:d` alone would be an absolute path and a URL.
+    let is_refused = is_absolute(&reference) || reference.starts_with("file:");
+    Ok(if is_refused { format!("./{reference}") } else { reference })
 }
 
 /// Absolute path of a file whose folder has no symbolic links. The file stays a link if it is one: its references are relative

@@ -66,3 +66,14 @@ fn a_conversion_replaces_no_input_and_leaves_nothing_on_failure() {
     assert_eq!(place.files(), ["scene.ron"]);
     assert_eq!(place.read("scene.ron"), before);
 }
+
+/// The scene named `a/b.obj`, which does not exist.
+#[cfg(unix)]
+#[test]
+fn a_model_with_a_backslash_in_its_name_is_not_converted() {
+    let place = Workplace::with("a\\b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    place.succeed("render a\\b.obj --size 8x8 -o model.pfm");
+    place.write("converted.ron", "an earlier scene");
+    place.fails(3, "convert a\\b.obj -o converted.ron", "contains a backslash");
+    assert_eq!(place.read("converted.ron"), b"an earlier scene");
+}

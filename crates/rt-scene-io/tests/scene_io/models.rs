@@ -155,6 +155,49 @@ fn a_converted_scene_names_the_root_of_links_that_leave_its_folder() {
     assert!(converted.notes.iter().any(|note| note.contains("--asset-root")), "{:?}", converted.notes);
 }
 
+/// The scene could not be read: `c:d.obj` looks like an absolute path, and `file:d.obj` like a URL.
+#[cfg(unix)]
+#[test]
+fn a_converted_scene_refers_to_a_model_with_a_colon_in_its_name() {
+    let (folder, model) = folder();
+    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    fs::create_dir(folder.path().join("c:")).unwrap();
+    for needed in ["a.mtl", "a.png"] {
+        fs::copy(folder.path().join(needed), folder.path().join("c:").join(needed)).unwrap();
+    }
+    for name in ["c:d.obj", "file:d.obj", "c:/d.obj"] {
+        let input = folder.path().join(name);
+        fs::copy(&model, &input).unwrap();
+        for output in ["out.ron", "c:/out.ron"] {
+            let output = folder.path().join(output);
+            fs::write(&output, convert(&input, &output, &root).unwrap().text).unwrap();
+            assert_eq!(image(&load(&output, &root).unwrap()), image(&load(&input, &root).unwrap()), "{name}");
+        }
+    }
+}
+
+/// The text named another file, with slashes or replacement characters.
+#[cfg(unix)]
+#[test]
+fn names_that_no_scene_can_refer_to_are_refused() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+
+    let (folder, model) = folder();
+    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    fs::create_dir(folder.path().join("e")).unwrap();
+    fs::copy(&model, folder.path().join("e/f.obj")).unwrap();
+    for name in [&b"a\\b.obj"[..], b"e\\f.obj", b"\xFF.obj"] {
+        let input = folder.path().join(OsStr::from_bytes(name));
+        fs::copy(&model, &input).unwrap();
+        for output in ["out.ron", "e/out.ron"] {
+            let message = convert(&input, &folder.path().join(output), &root).unwrap_err().to_string();
+            let rule = "contains a backslash or is not UTF-8: rename it";
+            assert!(message.contains(rule), "{}: {message}", input.display());
+        }
+    }
+}
+
 #[test]
 fn a_scene_changes_materials_of_its_models_by_name() {
     let (folder, _) = folder();
