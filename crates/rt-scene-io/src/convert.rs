@@ -68,6 +68,11 @@ fn around_model(input: &Path, options: &LoadOptions) -> Result<(SceneFile, Vec<S
         file.nodes.iter_mut().filter_map(|node| node.model.as_mut()).for_each(|model| model.clone_from(&reference));
     }
     let left = write_materials(&mut file, &scene);
+    let has_new_default = file.materials().any(|material| !matches!(material, Material::Phong { .. }));
+    if has_new_default && file.settings.integrator.is_none() && options.integrator.is_none() {
+        // Objects may use none of the materials that are written: the scene would then choose another integrator.
+        file.settings.integrator = Some(scene.settings.integrator);
+    }
     let mut notes = scene.notes;
     if !left.is_empty() {
         notes.push(format!("{} in the model, because scene files lack some of the properties.", list(&left)));

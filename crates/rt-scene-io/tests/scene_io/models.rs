@@ -198,6 +198,28 @@ fn names_that_no_scene_can_refer_to_are_refused() {
     }
 }
 
+/// The unused material made the scene choose `path`, and the model `whitted`.
+#[test]
+fn a_converted_model_without_surfaces_keeps_its_integrator() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("a.gltf");
+    let points = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 0, "material": 0}]}],
+        "materials": [{"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 12}],
+        "buffers": [{"byteLength": 12, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAA"}]}"#;
+    fs::write(&model, points).unwrap();
+    for options in [LoadOptions::default(), LoadOptions { ground: true, ..LoadOptions::default() }] {
+        let output = folder.path().join("out.ron");
+        let text = convert(&model, &output, &options).unwrap().text;
+        assert!(text.contains("\"red\""), "{text}");
+        fs::write(&output, text).unwrap();
+        let again = load(&output, &LoadOptions::default()).unwrap();
+        assert_eq!(again.settings, load(&model, &options).unwrap().settings);
+    }
+}
+
 #[test]
 fn a_scene_changes_materials_of_its_models_by_name() {
     let (folder, _) = folder();
