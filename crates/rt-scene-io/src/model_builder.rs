@@ -60,7 +60,7 @@ impl Model {
     }
 }
 
-/// What tests read.
+/// Access for tests.
 #[cfg(test)]
 impl Model {
     pub(crate) fn mesh_data(&self, mesh: usize) -> &rt_geometry::MeshData {

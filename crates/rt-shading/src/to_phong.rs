@@ -142,13 +142,13 @@ fn convert_layered(layered: &LayeredSurface) -> Phong {
     let specular = layered.specular_color.factor() * layered.specular.mean();
     let f0 = (specular * (fresnel * fresnel)).map(|f| f.min(1.0)).lerp(base.factor(), metallic);
     let transmitted = base.scaled(transmission);
-    // The mirror of glass is a share of the surface, which Fresnel's equations weigh. A thin pane is that of its normal.
+    // The mirror of glass is a share of the surface, which Fresnel's equations weigh. Thin glass reflects as along its normal.
     let (mirror, transmission) = if transmitted.is_zero() {
         (base.scaled(metallic * smooth), None)
     } else if layered.is_thin {
         let reflected = layered.specular.mean() * fresnel * fresnel;
-        let pane = Transmission { coefficient: transmitted.scaled(1.0 - reflected), fresnel: false };
-        (ColorTexture::Constant(Rgb::gray(transmission * reflected)), Some(pane))
+        let thin = Transmission { coefficient: transmitted.scaled(1.0 - reflected), fresnel: false };
+        (ColorTexture::Constant(Rgb::gray(transmission * reflected)), Some(thin))
     } else {
         let glass = Transmission { coefficient: transmitted, fresnel: true };
         (ColorTexture::Constant(Rgb::gray(transmission)), Some(glass))

@@ -44,8 +44,8 @@ fn groups_that_contain_themselves_are_refused() {
 #[test]
 fn trees_that_are_too_deep_are_refused() {
     let message = message(|scene| {
-        let ball = || node(sphere(0.0, 0.0, 0.0, 1.0), 0);
-        let tree = (0..2000).fold(ball(), |inner, _| SceneNode { children: vec![inner], ..ball() });
+        let round = || node(sphere(0.0, 0.0, 0.0, 1.0), 0);
+        let tree = (0..2000).fold(round(), |inner, _| SceneNode { children: vec![inner], ..round() });
         scene.nodes.push(tree);
     });
     assert!(message.contains("1024"), "{message}");

@@ -79,7 +79,7 @@ fn phong(mtl: &tobj::Material, maps: MaterialMaps) -> Phong {
     let model = mtl.illumination_model.unwrap_or(2);
     let opacity = if is_blended(mtl, maps) { 1.0 } else { opacity(mtl) };
     let default = Phong::default();
-    // A diffuse part beside that of glass would return more light than arrives.
+    // A diffuse part next to that of glass would return more light than arrives.
     let is_clear = is_glass(mtl) && !filter_colour(mtl).is_black();
     let kd = if is_clear { Rgb::BLACK } else { base_colour(mtl, maps) };
     let ks = specular_colour(mtl);

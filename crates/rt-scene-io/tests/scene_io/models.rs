@@ -139,7 +139,7 @@ fn a_converted_scene_refers_to_the_link_to_a_model() {
     assert_eq!(image(&load(&output, &root).unwrap()), image(&load(&model, &root).unwrap()));
 }
 
-/// A scene with a link beside it needs the root of the target of the link.
+/// A scene with a link next to it needs the root of the target of the link.
 #[cfg(unix)]
 #[test]
 fn a_converted_scene_names_the_root_of_links_that_leave_its_folder() {

@@ -181,8 +181,8 @@ impl Layered {
         self.dielectric_reflectance[0] * (1.0 - w) + self.dielectric_reflectance[1] * w
     }
 
-    /// Share of light that the dielectric part leaves to the diffuse part, by the albedo of the facets for reflectance 1
-    /// along the normal and at grazing angles.
+    /// Share of light that the dielectric part leaves to the diffuse part. The albedos of facets are for
+    /// reflectance 1 along the normal, and for reflectance 1 at grazing angles.
     fn dielectric_transmittance(&self, [along, grazing]: [f64; 2]) -> f64 {
         1.0 - (self.dielectric_reflectance[0] * along + self.dielectric_reflectance[1] * grazing)
     }

@@ -117,10 +117,10 @@ fn transmission_becomes_a_dielectric_with_fresnels_equations() {
 
 /// F0 = ((2 − 1)/(2 + 1))², of half of the surface.
 #[test]
-fn a_thin_layered_pane_reflects() {
-    let pane = LayeredSurface { transmission: constant(0.5), ior: 2.0, ..layered(0.0, 0.0) };
-    let phong = convert_layered(&pane);
-    let transmission = phong.transmission.expect("a pane");
+fn thin_layered_glass_reflects() {
+    let thin = LayeredSurface { transmission: constant(0.5), ior: 2.0, ..layered(0.0, 0.0) };
+    let phong = convert_layered(&thin);
+    let transmission = phong.transmission.expect("thin glass");
     assert!(!transmission.fresnel && (red(phong.mirror) - 0.5 / 9.0).abs() < 1e-15, "{phong:?}");
     assert!((red(transmission.coefficient) - 0.8 * 0.5 * 8.0 / 9.0).abs() < 1e-15, "{phong:?}");
 }
