@@ -255,7 +255,7 @@ impl SlabRay32 {
                 leave[child] = if t_far < leave[child] { t_far } else { leave[child] };
             }
         }
-        // No box behind the origin is entered before it is left if the span begins at the origin, whichever the factor.
+        // If the span begins at 0 or later, a box behind the origin is missed with either factor.
         let leave = if span.min >= 0.0 { leave.map(|t_far| t_far * FAR_FACTOR) } else { leave.map(outward) };
         ChildHits { enter, leave, limit: span.max }
     }

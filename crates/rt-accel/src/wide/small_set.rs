@@ -412,14 +412,10 @@ impl WithSimd<&[(Ray, Interval)], &mut [u8]> for BoundsTest<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], passing: &mut [u8]) {
         for (rays, passing) in rays.chunks(PACKET).zip(passing) {
-            let padded;
-            let packet = if let Ok(packet) = rays.try_into() {
-                packet
-            } else {
-                padded = pad_to_packet(rays);
-                &padded
+            let soa = match rays.try_into() {
+                Ok(packet) => RaySoa8::new(simd, packet),
+                Err(_) => RaySoa8::new(simd, &pad_to_packet(rays)),
             };
-            let soa = RaySoa8::new(simd, packet);
             let may_pass = soa.may_pass(simd, self.bounds, F64x8::splat(simd, f64::INFINITY));
             *passing = (may_pass | !soa.in_safe_range(simd)) as u8;
         }
