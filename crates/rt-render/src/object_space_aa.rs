@@ -25,7 +25,7 @@ use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_camera::ViewVolume;
 use rt_geometry::{Hit, Primitives as _, padded_bounds};
 use rt_math::{Interval, Ray};
-use rt_shading::Background;
+use rt_shading::{Background, ShadingFeatures};
 
 use patch::SurfacePatch;
 use shaft::{LightShaft, Occlusion};
@@ -230,6 +230,10 @@ impl PixelClassifier<'_> {
         let phong = &material.to_phong();
         if phong.diffuse.is_zero() && phong.specular.is_zero() {
             return true;
+        }
+        if appearance.has_shadow_media(&ShadingFeatures::ALL) {
+            // Light is dimmed unevenly, where it is not blocked.
+            return false;
         }
         let mut reaching = appearance.lights.iter().filter(|light| !patch.turns_away_from(light));
         // Test shafts last: they cost most, and most blocks that are too large fail before.

@@ -88,6 +88,7 @@ mod reference_path_tracer;
 mod russian_roulette;
 mod scene_queries;
 mod shading_features;
+mod shadow_media;
 mod stream_queries;
 mod surface_features;
 #[cfg(test)]

@@ -20,6 +20,25 @@ pub(crate) struct MediumTracker {
 }
 
 impl MediumTracker {
+    /// Starts a ray in these media.
+    pub(crate) const fn new(interior: InteriorList) -> Self {
+        Self { interior, medium_start: 0.0, passages: 0 }
+    }
+
+    /// The media of this ray, from a parameter on.
+    pub(crate) fn at(&self, medium_start: f64) -> Self {
+        Self { medium_start, ..self.clone() }
+    }
+
+    /// Media on the side of a surface to which light is reflected, or transmitted.
+    pub(crate) fn side(&self, interface: Option<&MediumInterface>, kind: Scattering) -> InteriorList {
+        let mut side = self.interior.clone();
+        if let (Some(interface), Scattering::Transmission) = (interface, kind) {
+            side.cross(interface);
+        }
+        side
+    }
+
     /// Restarts with a camera ray in these media, and keeps its memory.
     pub(crate) fn restart(&mut self, surroundings: &InteriorList) {
         self.interior.clone_from(surroundings);

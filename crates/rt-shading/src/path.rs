@@ -53,7 +53,7 @@ use wave::{PathBatch, PathStreams};
 ///
 /// Classical lights and surfaces are as bright as under [`Whitted`](crate::Whitted). The intensity of a light in classical units
 /// thus counts π times, and kd is an albedo. Dielectrics nest as they do there. Shadow rays end at any surface that casts a
-/// shadow: only BSDF samples find light behind glass.
+/// shadow: only BSDF samples find light behind glass. Media that absorb with the index of air dim them instead.
 ///
 /// Shading in lanes is in `f32`; positions, hits, densities of lights and sums are `f64`. The radiance of a camera ray is bit-identical
 /// in every wave, with every instruction set, and with one lane. Keep one instance per thread: all buffers are reused.
@@ -138,7 +138,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             // Rays that stages append behind these get no times.
             rays.time.as_mut_slice().fill(0.0);
         }
-        let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport));
+        let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport, features));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
         let batch = PathBatch { rays, samplers, surroundings, seen };
         match streams {

@@ -23,12 +23,13 @@ use crate::{
     Transport,
     bsdf::Scattering,
     hit_context::HitContext,
-    medium::Medium,
+    interior_list::MediumInterface,
     medium_tracker::MediumTracker,
     mis::{PDF_OF_WEIGHT_ONE, pdf_behind, power_heuristic},
     path::PrevVertex,
     ray_kind::kind_of,
     russian_roulette::russian_roulette,
+    shadow_media::{self, ShadowMedia},
     vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
 };
@@ -103,7 +104,7 @@ impl ReferencePathTracer<'_> {
                     return path.seen;
                 }
                 if let Some(prev) = &mut path.prev {
-                    prev.pdf = pdf_behind(&hit, prev.pdf);
+                    prev.pdf = pdf_behind(shadow_media::is_passed(materials, &hit, interface), prev.pdf);
                 }
                 (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
                 continue;
@@ -136,8 +137,7 @@ impl ReferencePathTracer<'_> {
             let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
             let bsdf = bsdf_at(appearance, material, &view, interface);
             let vertex = Vertex::new(view, &bsdf, ray.time);
-            let media = path.media.media(materials, interface);
-            self.sample_direct_lighting(world, &vertex, media, sampler, &mut path);
+            self.sample_direct_lighting(world, &vertex, interface, sampler, &mut path);
 
             // Sample the next direction by the BSDF.
             let [u, v] = sampler.next_2d();
@@ -172,7 +172,7 @@ impl ReferencePathTracer<'_> {
         &mut self,
         world: &mut dyn SceneQueries,
         vertex: &Vertex<'_>,
-        media: [Medium; 2],
+        interface: Option<&MediumInterface>,
         sampler: &mut dyn Sampler,
         path: &mut PathState,
     ) {
@@ -182,12 +182,6 @@ impl ReferencePathTracer<'_> {
         let lights = self.lighting.lights;
         let (surface, time) = (vertex.view.surface, vertex.time);
         let shadow_rays = surface.shadow_rays(vertex.view.is_inside);
-        // Light from infinity is not attenuated: the end of the medium there is unknown.
-        let transmittance = |direction: DVec3, distance: f64| match media {
-            _ if distance.is_infinite() => Rgb::WHITE,
-            [near, _] if vertex.view.is_on_side_of(Scattering::Reflection, direction) => near.transmittance(distance),
-            [_, far] => far.transmittance(distance),
-        };
 
         // Add all delta lights. BSDF samples cannot hit them: their MIS weight is 1. Those without shadows come first, as the
         // order of a sum determines its last bit.
@@ -196,14 +190,13 @@ impl ReferencePathTracer<'_> {
                 let Some(lit) = light.sample_li(surface.point) else { continue };
                 let scattered = vertex.eval(lit.direction);
                 let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
-                let (shadow_ray, span) = light.shadow_ray(&shadow_rays, &lit, time);
                 if radiance.is_black() {
                     continue;
-                } else if !casts_shadows {
-                    self.add(radiance, path.bounces + 1, path);
-                } else if !world.occluded(&shadow_ray, span) {
-                    self.add(radiance * transmittance(lit.direction, lit.distance), path.bounces + 1, path);
                 }
+                let shadow_ray = light.shadow_ray(&shadow_rays, &lit, time);
+                let media = casts_shadows.then(|| path.shadow_media(vertex, interface, lit.direction));
+                let transmittance = media.map_or(Rgb::WHITE, |media| self.transmittance(world, shadow_ray, media));
+                self.add(radiance * transmittance, path.bounces + 1, path);
             }
         }
 
@@ -223,24 +216,43 @@ impl ReferencePathTracer<'_> {
         }
         let scattered = f * power_heuristic(light.pdf, bsdf_pdf) * local.z.abs();
         let radiance = path.throughput * scattered * light.sample.radiance / light.pdf;
-        let (shadow_ray, span) = match light.sample.shadow_target() {
+        let shadow_ray = match light.sample.shadow_target() {
             Some(target) => (shadow_rays.to(target, time), Interval::SEGMENT),
             None => (shadow_rays.towards(wi, time), Interval::SPAWNED),
         };
-        if !world.occluded(&shadow_ray, span) {
-            self.add(radiance * transmittance(wi, light.sample.distance), path.bounces + 1, path);
+        let media = path.shadow_media(vertex, interface, wi);
+        let transmittance = self.transmittance(world, shadow_ray, media);
+        self.add(radiance * transmittance, path.bounces + 1, path);
+    }
+
+    /// Part of the light that arrives along a shadow ray, which starts in these media: 0 if something occludes it.
+    fn transmittance(&mut self, world: &mut dyn SceneQueries, (ray, span): (Ray, Interval), media: ShadowMedia) -> Rgb {
+        let appearance = self.lighting.appearance;
+        if appearance.has_shadow_media(&ShadingFeatures::ALL) {
+            let scene = (&ShadingFeatures::ALL, appearance.materials.as_slice());
+            return media.follow(world, scene, (&ray, span), &mut self.counts);
+        }
+        // One medium fills the whole ray.
+        if world.occluded(&ray, span) {
+            Rgb::BLACK
+        } else {
+            media.transmittance_to_light(&appearance.materials, &ray, span)
         }
     }
 
     /// Adds the light of sampled lights behind a hit, up to the next object that casts a shadow.
     fn add_lights_behind(&mut self, world: &mut dyn SceneQueries, ray: &Ray, hit: &SurfaceHit, path: &mut PathState) {
         let Some(from) = path.prev else { return };
-        let (mut span, mut radiance, mut is_open) = (hit.span_after(ray), Rgb::BLACK, from.pdf < PDF_OF_WEIGHT_ONE);
-        while is_open {
-            let behind = world.closest(ray, span, RayKind::Shadow, ShadingFeatures::ALL.surface());
-            radiance += from.light_behind(&self.lighting, ray.direction, hit.object, behind.as_ref());
-            is_open = behind.as_ref().is_some_and(|hit| !hit.casts_shadow);
-            span = behind.map_or(span, |hit| hit.span_after(ray));
+        let features = &ShadingFeatures::ALL;
+        let materials = &self.lighting.appearance.materials;
+        let mut media = ShadowMedia::of_path(&path.media, hit.t);
+        let (mut rest, mut radiance) = (Some(hit.span_after(ray)), Rgb::BLACK);
+        while let Some(span) = rest.filter(|_| from.pdf < PDF_OF_WEIGHT_ONE) {
+            let behind = world.closest(ray, span, RayKind::Shadow, features.surface());
+            let t = behind.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+            let emitted = from.light_behind(&self.lighting, ray.direction, hit.object, behind.as_ref());
+            radiance += emitted * media.transmittance_to(materials, ray, t);
+            rest = behind.and_then(|hit| media.pass((features, materials), (ray, span), &hit, &mut self.counts));
         }
         self.add(path.throughput * radiance, path.bounces, path);
     }
@@ -259,6 +271,13 @@ impl PathState {
         media.restart(surroundings);
         let (seen, throughput) = (RadianceSample::MISS, Rgb::WHITE);
         Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
+    }
+
+    /// Media of a shadow ray in this direction from a vertex.
+    fn shadow_media(&self, at: &Vertex<'_>, interface: Option<&MediumInterface>, wi: DVec3) -> ShadowMedia {
+        let is_near = at.view.is_on_side_of(Scattering::Reflection, wi);
+        let kind = if is_near { Scattering::Reflection } else { Scattering::Transmission };
+        ShadowMedia::new(self.media.side(interface, kind))
     }
 
     /// MIS weight of light that the ray in the direction of the BSDF sample has found.

@@ -256,6 +256,35 @@ fn suns_without_shadows_reach_absorbing_water() {
     }
 }
 
+/// A sun above a slab of smoke, in which there is a bubble of air: half a unit of smoke is on its way.
+#[test]
+fn suns_shine_through_smoke() {
+    let place = Workplace::new();
+    let scene = r#"(
+        camera: (look_from: (0, 0.5, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 1),
+        background: constant(0),
+        lights: [directional(direction: (0, -1, 0), intensity: 0.5)],
+        materials: {
+            "smoke": SMOKE,
+            "air": glass(ior: 1, priority: 1),
+            "floor": diffuse(albedo: 1),
+        },
+        nodes: [
+            (shape: plane(), material: "floor"),
+            (shape: box(min: (-5, 1, -5), max: (5, 2, 5)), material: "smoke"),
+            (shape: box(min: (-4, 1.25, -4), max: (4, 1.75, 4)), material: "air"),
+        ],
+    )"#;
+    let expected = 0.5 * rt_math::transcendental::exp(-0.25);
+    for smoke in ["glass(ior: 1, absorption: 0.5)", "phong(color: 0, transmission: 1, ior: 1, absorption: 0.5)"] {
+        place.write("smoke.ron", scene.replace("SMOKE", smoke));
+        for integrator in ["whitted", "path", "direct", "distributed", "path-caustics", "path-reference"] {
+            let seen = mean(&place, &format!("smoke.ron --integrator {integrator} --size 4x4 --spp 1")).g;
+            assert!((seen - expected).abs() < 1e-4, "{smoke}, {integrator}: {seen}, not {expected}");
+        }
+    }
+}
+
 #[test]
 fn layered_materials_are_lit_once_under_distributed() {
     let place = Workplace::with("floor.gltf", unlit_floor(WHITE));

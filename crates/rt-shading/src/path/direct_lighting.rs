@@ -1,8 +1,11 @@
 //! Next-event estimation: light samples at path vertices, with MIS weights, and their shadow rays.
 
 use super::{inputs::PathInputs, shade::HitPath, wave::SpawnedPaths};
-use crate::{RadianceSample, bsdf::Scattering, lane_set::Element, medium::Medium, vertex::Vertex};
-use rt_math::{DVec3, Interval, Rgb, Sampler};
+use crate::{
+    InteriorList, RadianceSample, bsdf::Scattering, interior_list::MediumInterface, lane_set::Element, medium::Medium,
+    medium_tracker::MediumTracker, vertex::Vertex, wavefront::streams::ShadowRayStream,
+};
+use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<E: Element> SpawnedPaths<E> {
     /// Samples all delta lights and one area or environment light, and queues their shadow rays.
@@ -19,9 +22,15 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let materials = &inputs.lighting.appearance.materials;
         let tracker = &self.states[path.sample as usize].medium_tracker;
-        let media = inputs.features.absorption.then(|| tracker.media(materials, path.interface));
-        self.sample_delta_lights(inputs, path, vertex, media, seen);
-        self.sample_light(inputs, path, vertex, media, sampler);
+        let media = if inputs.materials.has_shadow_media {
+            MediaAround::passed(tracker, path.interface)
+        } else if inputs.features.absorption {
+            MediaAround::Uniform(tracker.media(materials, path.interface))
+        } else {
+            MediaAround::Clear
+        };
+        self.sample_delta_lights(inputs, path, vertex, &media, seen);
+        self.sample_light(inputs, path, vertex, &media, sampler);
     }
 
     /// Queues shadow rays to all delta lights, with `media` on both sides of the surface.
@@ -30,7 +39,7 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
-        media: Option<[Medium; 2]>,
+        media: &MediaAround,
         seen: &mut RadianceSample,
     ) {
         let (clamp, bounces) = (inputs.settings.clamp, path.wave.bounces);
@@ -46,8 +55,8 @@ impl<E: Element> SpawnedPaths<E> {
                 if radiance.is_black() {
                     self.counts.shadow_rays_skipped += u64::from(light.casts_shadows);
                 } else if light.casts_shadows {
-                    let radiance = attenuated(radiance, vertex, media, (lit.direction, lit.distance));
-                    stream.push_ray(light.shadow_ray(&shadow_rays, &lit, vertex.time), path.sample, radiance);
+                    let ray = light.shadow_ray(&shadow_rays, &lit, vertex.time);
+                    media.push(stream, vertex, (lit.direction, lit.distance), (ray, path.sample, radiance));
                 } else {
                     seen.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
                 }
@@ -61,7 +70,7 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
-        media: Option<[Medium; 2]>,
+        media: &MediaAround,
         sampler: &mut S,
     ) {
         let lights = inputs.lighting.lights;
@@ -88,27 +97,55 @@ impl<E: Element> SpawnedPaths<E> {
             None => (shadow_rays.towards(light.sample.direction, vertex.time), Interval::SPAWNED),
         };
         let distance = light.sample.point.map_or(f64::INFINITY, |point| (point - surface.point).length());
-        let radiance = attenuated(radiance, vertex, media, (light.sample.direction, distance));
-        self.sampled.push_ray(ray, path.sample, radiance);
+        let to_light = (light.sample.direction, distance);
+        media.push(&mut self.sampled, vertex, to_light, (ray, path.sample, radiance));
     }
 }
 
-/// Light from a direction, attenuated by the medium on that side of a vertex; `media` are those of both sides.
-///
-/// Shadow rays end at any surface that casts shadows, so that one medium fills their whole length. The end of the medium towards a
-/// light at infinity is unknown: such light is not attenuated.
-#[inline]
-fn attenuated(
-    radiance: Rgb,
-    vertex: &Vertex<'_>,
-    media: Option<[Medium; 2]>,
-    (direction, distance): (DVec3, f64),
-) -> Rgb {
-    match media {
-        Some([near, far]) if distance.is_finite() => {
-            let is_near = vertex.view.is_on_side_of(Scattering::Reflection, direction);
-            radiance * (if is_near { near } else { far }).transmittance(distance)
+/// Media on the near and the far side of a vertex, for its shadow rays.
+enum MediaAround {
+    /// None absorbs.
+    Clear,
+    /// Shadow rays end at any surface that casts shadows, so that one medium fills their whole length. The end of the medium towards a
+    /// light at infinity is unknown: such light is not attenuated.
+    Uniform([Medium; 2]),
+    /// Shadow rays pass some surfaces. On both sides are the media of the path.
+    OfPath,
+    /// Shadow rays pass some surfaces. Each side has its media.
+    Sides([InteriorList; 2]),
+}
+
+impl MediaAround {
+    /// Media for shadow rays that pass surfaces.
+    fn passed(tracker: &MediumTracker, interface: Option<&MediumInterface>) -> Self {
+        match interface {
+            None => Self::OfPath,
+            _ => Self::Sides(
+                [Scattering::Reflection, Scattering::Transmission].map(|kind| tracker.side(interface, kind)),
+            ),
         }
-        _ => radiance,
+    }
+
+    /// Queues a shadow ray, which leaves the vertex in a direction to a light at a distance.
+    #[inline]
+    fn push<E: Element>(
+        &self,
+        stream: &mut ShadowRayStream<E>,
+        vertex: &Vertex<'_>,
+        (direction, distance): (DVec3, f64),
+        (ray, sample, radiance): ((Ray, Interval), u32, Rgb),
+    ) {
+        let is_near = || vertex.view.is_on_side_of(Scattering::Reflection, direction);
+        match self {
+            Self::Uniform([near, far]) if distance.is_finite() => {
+                let medium = if is_near() { near } else { far };
+                stream.push_ray(ray, sample, radiance * medium.transmittance(distance));
+            }
+            Self::Clear | Self::Uniform(_) | Self::OfPath => stream.push_ray(ray, sample, radiance),
+            Self::Sides([near, far]) => {
+                stream.push_ray(ray, sample, radiance);
+                stream.start_in(if is_near() { near } else { far }.clone());
+            }
+        }
     }
 }

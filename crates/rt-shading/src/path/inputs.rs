@@ -5,7 +5,7 @@ use super::{
     settings::{Lighting, PathSettings},
     transport::Transport,
 };
-use crate::ShadingFeatures;
+use crate::{Material, ShadingFeatures};
 
 /// Inputs of all shading stages of a batch.
 #[derive(Clone, Copy)]
@@ -18,7 +18,12 @@ pub(super) struct PathInputs<'a> {
     pub(super) has_time: bool,
 }
 
-impl PathInputs<'_> {
+impl<'a> PathInputs<'a> {
+    /// Features and materials, for the media along rays.
+    pub(super) fn scene(&self) -> (&'a ShadingFeatures, &'a [Material]) {
+        (self.features, &self.lighting.appearance.materials)
+    }
+
     /// True if the emission of the next surface or the background may contribute.
     pub(super) fn scene_emits(&self) -> bool {
         self.features.emission || !self.lighting.appearance.background.is_black()

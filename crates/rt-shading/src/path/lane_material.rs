@@ -2,7 +2,7 @@
 
 use super::{settings::Lighting, transport::Transport};
 use crate::{
-    ColorTexture, Material, MaterialModel,
+    ColorTexture, Material, MaterialModel, ShadingFeatures,
     bsdf::{DiffusePhong, GlassSurface, LaneSurface, OrenNayar},
     bsdf_cache::uniform_bsdf,
     light::{EmissionSides, Light},
@@ -30,6 +30,8 @@ pub(super) struct LaneMaterials {
     pub(super) has_usual_lights: bool,
     /// True if a surface may change the [`WavePathState`](super::path_stream::WavePathState) of paths.
     pub(super) track_states: bool,
+    /// True if shadow rays pass the surfaces of media that absorb ([`Appearance::has_shadow_media`](crate::Appearance::has_shadow_media)).
+    pub(super) has_shadow_media: bool,
     /// Kind of all materials, if it is the same.
     pub(super) kind: Option<VertexKind>,
 }
@@ -98,10 +100,13 @@ impl VertexKind {
 
 impl LaneMaterials {
     /// Materials of a scene. None is shaded in lanes where diffuse lobes are sampled and paths end behind them.
-    pub(super) fn new(lighting: Lighting<'_>, transport: Transport) -> Self {
+    pub(super) fn new(lighting: Lighting<'_>, transport: Transport, features: &ShadingFeatures) -> Self {
+        let has_shadow_media = lighting.appearance.has_shadow_media(features);
         let has_usual_lights =
             transport != Transport::SpecularWithEmitters && lighting.lights.lights().iter().all(is_usual);
-        let of = |material| if has_usual_lights { LaneMaterial::of(material) } else { None };
+        // The media of shadow rays from glass are found one by one.
+        let stays = |it: &LaneMaterial| !(has_shadow_media && matches!(it.surface, LaneSurface::Glass(_)));
+        let of = |material| if has_usual_lights { LaneMaterial::of(material).filter(stays) } else { None };
         let materials: Vec<_> = lighting.appearance.materials.iter().map(of).collect();
         let keeps_states = |material: &Option<LaneMaterial>| {
             material.is_some_and(|material| matches!(material.surface, LaneSurface::DiffusePhong(_)))
@@ -110,7 +115,8 @@ impl LaneMaterials {
             |material: &Option<LaneMaterial>| material.as_ref().map(|material| VertexKind::of(&material.surface));
         let kind = materials.first().and_then(kind_of);
         let kind = kind.filter(|_| materials.iter().all(|material| kind_of(material) == kind));
-        Self { has_usual_lights, track_states: !materials.iter().all(keeps_states), kind, materials }
+        let track_states = !materials.iter().all(keeps_states);
+        Self { materials, has_usual_lights, track_states, has_shadow_media, kind }
     }
 
     /// Material of an index; `None` if it is not shaded in lanes everywhere.

@@ -13,6 +13,7 @@ use crate::{
     RadianceSample, StreamQueries, SurfaceHit,
     lane_set::Element,
     mis::{PDF_OF_WEIGHT_ONE, power_heuristic},
+    shadow_media::ShadowMedia,
     viewed_surface::is_inside,
 };
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
@@ -29,11 +30,12 @@ impl<E: Element> SpawnedPaths<E> {
     ) {
         if from.pdf > 0.0 && from.pdf < PDF_OF_WEIGHT_ONE {
             let span = hit.span_after(ray);
-            self.behind.push(LightBehind { ray: *ray, span, sample, throughput, from, object: hit.object });
+            let media = ShadowMedia::of_path(&self.states[sample as usize].medium_tracker, hit.t);
+            self.behind.push(LightBehind { ray: *ray, span, sample, throughput, from, object: hit.object, media });
         }
     }
 
-    /// Adds the light of sampled lights on these rays, up to the next object that casts a shadow.
+    /// Adds the light of sampled lights on these rays, up to the next object that ends shadow rays.
     pub(super) fn add_lights_behind<W: StreamQueries>(
         &mut self,
         inputs: &PathInputs<'_>,
@@ -46,19 +48,24 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
         while !self.behind.is_empty() {
-            for waiting in core::mem::take(&mut self.behind).chunks(STREAM_CAPACITY) {
+            for waiting in core::mem::take(&mut self.behind).chunks_mut(STREAM_CAPACITY) {
                 rays.clear();
                 waiting.iter().for_each(|behind| rays.push(&behind.ray, behind.span));
                 world.closest_stream(&rays, RayKind::Shadow, &mut hits);
-                for (at, behind) in waiting.iter().enumerate() {
+                for (at, behind) in waiting.iter_mut().enumerate() {
                     let hit = world.surface(&behind.ray, &hits, at, inputs.features.surface());
-                    let LightBehind { ray, throughput, from, object, .. } = behind;
-                    let radiance =
-                        *throughput * from.light_behind(&inputs.lighting, ray.direction, *object, hit.as_ref());
-                    seen[behind.sample as usize].radiance +=
-                        inputs.settings.clamp.apply(bounces, radiance, &mut self.counts);
-                    if let Some(hit) = hit.filter(|hit| !hit.casts_shadow) {
-                        self.behind.push(LightBehind { span: hit.span_after(&behind.ray), ..*behind });
+                    let LightBehind { ray, span, throughput, from, object, media, .. } = behind;
+                    let emitted = from.light_behind(&inputs.lighting, ray.direction, *object, hit.as_ref());
+                    if !emitted.is_black() {
+                        let t = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+                        let radiance = *throughput * media.transmittance_to(inputs.scene().1, ray, t) * emitted;
+                        seen[behind.sample as usize].radiance +=
+                            inputs.settings.clamp.apply(bounces, radiance, &mut self.counts);
+                    }
+                    let rest = hit.and_then(|hit| media.pass(inputs.scene(), (ray, *span), &hit, &mut self.counts));
+                    if let Some(rest) = rest {
+                        *span = rest;
+                        self.behind.push(behind.clone());
                     }
                 }
             }

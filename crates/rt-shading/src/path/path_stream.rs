@@ -3,6 +3,7 @@
 use super::settings::Lighting;
 use crate::{
     bsdf::BsdfSample, interior_list::InteriorList, lane_set::Element, medium_tracker::MediumTracker, ray_kind::kind_of,
+    shadow_media::ShadowMedia,
 };
 use rt_geometry::{RayKind, RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{DVec3, Interval, Ray, Rgb};
@@ -57,7 +58,7 @@ pub(crate) struct PrevVertex {
 }
 
 /// Part of a ray behind an object that casts no shadow.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct LightBehind {
     pub(super) ray: Ray,
     pub(super) span: Interval,
@@ -67,6 +68,8 @@ pub(super) struct LightBehind {
     pub(super) from: PrevVertex,
     /// The object, whose own light is not behind it.
     pub(super) object: u32,
+    /// Media behind it.
+    pub(super) media: ShadowMedia,
 }
 
 /// Streams of a wave, by the kind of their rays: rays of a kind are coherent, and counted as such.

@@ -15,6 +15,7 @@ use crate::{
     light::LightId,
     mis::{pdf_behind, power_heuristic},
     russian_roulette::russian_roulette,
+    shadow_media,
     vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
 };
@@ -173,7 +174,8 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let (ray, _) = wave.paths.rays.get(at);
         let record = wave.paths.get(at);
-        let pdf = pdf_behind(hit, record.pdf);
+        let is_lit_through = shadow_media::is_passed(&inputs.lighting.appearance.materials, hit, interface);
+        let pdf = pdf_behind(is_lit_through, record.pdf);
         self.passing.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
     }
 

@@ -149,8 +149,13 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
             let clamp = inputs.settings.clamp;
             for light in spawned.delta.streams.iter_mut().chain([&mut spawned.sampled]) {
                 let counts = &mut spawned.counts;
-                let bounded = |radiance| clamp.apply(bounces + 1, radiance, counts);
-                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), bounded, seen);
+                if inputs.materials.has_shadow_media {
+                    let interior = |sample: u32| &spawned.states[sample as usize].medium_tracker.interior;
+                    light.trace_through_media(world, inputs.scene(), interior, counts);
+                } else {
+                    light.trace(world);
+                }
+                light.add_unblocked(|radiance| clamp.apply(bounces + 1, radiance, counts), seen);
             }
             paths.clear();
             core::mem::swap(paths, &mut spawned.paths);

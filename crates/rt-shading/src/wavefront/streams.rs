@@ -1,11 +1,12 @@
 //! Rays that hits spawn, and what they add to samples.
 
 use crate::{
-    RadianceSample,
+    InteriorList, Material, RadianceSample, ShadingCounts, ShadingFeatures, StreamQueries,
     lane_set::{Element, LaneSet, set_color},
     lanes::{LANES, each_lane},
+    shadow_media::ShadowMedia,
 };
-use rt_geometry::{RayStream, STREAM_CAPACITY, StreamArray};
+use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY, StreamArray};
 use rt_math::{Interval, Ray, Rgb, Vector3};
 
 /// Delta lights that have a stream each for batches of [`STREAM_CAPACITY`] camera rays. A stream takes 50 kB.
@@ -49,6 +50,8 @@ pub(crate) struct ShadowRayStream<E: Element> {
     sample: StreamArray<u32>,
     /// Radiance in the pixel.
     radiance: [StreamArray<E>; 3],
+    /// Media in which rays start, by their indices, if these are not the media of the path.
+    interiors: Vec<(usize, InteriorList)>,
     blocked: Box<[bool; STREAM_CAPACITY]>,
 }
 
@@ -58,6 +61,7 @@ impl<E: Element> Default for ShadowRayStream<E> {
             rays: RayStream::default(),
             sample: StreamArray::default(),
             radiance: Default::default(),
+            interiors: Vec::new(),
             blocked: Box::new([false; STREAM_CAPACITY]),
         }
     }
@@ -92,20 +96,61 @@ impl<E: Element> ShadowRayStream<E> {
         self.rays.push(&ray, span);
     }
 
-    /// Traces the rays, adds the light of those that are not occluded, and removes all. `bounded` is applied to that light.
-    pub(crate) fn resolve(
-        &mut self,
-        occluded: impl FnOnce(&RayStream, &mut [bool]),
-        mut bounded: impl FnMut(Rgb) -> Rgb,
-        seen: &mut [RadianceSample],
-    ) {
-        if self.rays.is_empty() {
-            return;
+    /// Lets the last ray start in these media.
+    pub(crate) fn start_in(&mut self, interior: InteriorList) {
+        self.interiors.push((self.rays.len().saturating_sub(1), interior));
+    }
+
+    /// Traces the rays. [`add_unblocked`](Self::add_unblocked) comes next.
+    pub(crate) fn trace(&mut self, world: &mut impl StreamQueries) {
+        if !self.rays.is_empty() {
+            world.occluded_stream(&self.rays, &mut self.blocked[..self.rays.len()]);
         }
-        let blocked = &mut self.blocked[..self.rays.len()];
-        occluded(&self.rays, blocked);
+    }
+
+    /// Version of [`trace`](Self::trace) for scenes with media that shadow rays pass. `interior` has the media of the path of a sample.
+    pub(crate) fn trace_through_media<'a>(
+        &mut self,
+        world: &mut impl StreamQueries,
+        scene: (&ShadingFeatures, &[Material]),
+        interior: impl Fn(u32) -> &'a InteriorList,
+        counts: &mut ShadingCounts,
+    ) {
+        let mut own = self.interiors.drain(..).peekable();
+        let start = |at: usize| {
+            let own = own.next_if(|(index, _)| *index == at).map(|(_, interior)| interior);
+            let media = ShadowMedia::new(own.unwrap_or_else(|| interior(self.sample.get(at)).clone()));
+            let (ray, span) = self.rays.get(at);
+            (at, ray, span, media)
+        };
+        let mut waiting: Vec<_> = (0..self.rays.len()).map(start).collect();
+        let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
+        while !waiting.is_empty() {
+            rays.clear();
+            waiting.iter().for_each(|(_, ray, span, _)| rays.push(ray, *span));
+            world.closest_stream(&rays, RayKind::Shadow, &mut hits);
+            let mut index = 0..;
+            waiting.retain_mut(|(at, ray, span, media)| {
+                let hit = index.next().and_then(|index| world.surface(ray, &hits, index, scene.0.surface()));
+                let rest = hit.as_ref().and_then(|hit| media.pass(scene, (ray, *span), hit, counts));
+                self.blocked[*at] = hit.is_some() && rest.is_none();
+                if let Some(rest) = rest {
+                    *span = rest;
+                } else if !self.blocked[*at] {
+                    let transmittance = media.transmittance_to_light(scene.1, ray, *span);
+                    for (radiance, factor) in self.radiance.iter_mut().zip(transmittance.to_array()) {
+                        radiance.set(*at, E::rounded(radiance.get(*at).into() * factor));
+                    }
+                }
+                rest.is_some()
+            });
+        }
+    }
+
+    /// Adds the light of the rays that are not occluded, and removes all rays. `bounded` is applied to that light.
+    pub(crate) fn add_unblocked(&mut self, mut bounded: impl FnMut(Rgb) -> Rgb, seen: &mut [RadianceSample]) {
         let [r, g, b] = &self.radiance;
-        for (at, is_blocked) in blocked.iter().enumerate() {
+        for (at, is_blocked) in self.blocked[..self.rays.len()].iter().enumerate() {
             if !is_blocked {
                 let radiance = Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into());
                 seen[self.sample.get(at) as usize].radiance += bounded(radiance);

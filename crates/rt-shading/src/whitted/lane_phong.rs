@@ -43,6 +43,8 @@ pub(super) struct LanePhongs {
     phongs: Vec<Option<LanePhong>>,
     /// True if there are no others.
     pub(super) are_complete: bool,
+    /// True if shadow rays pass the surfaces of media that absorb ([`Appearance::has_shadow_media`]).
+    pub(super) has_shadow_media: bool,
 }
 
 impl LanePhongs {
@@ -50,7 +52,12 @@ impl LanePhongs {
     /// the usual range of `f32`. Light with inverse-square falloff may still overflow at a distance of less than 10⁻¹³.
     pub(super) fn new(appearance: &Appearance, features: &ShadingFeatures) -> Self {
         let has_usual_lights = appearance.lights.iter().all(is_usual_light);
+        let has_shadow_media = appearance.has_shadow_media(features);
         let of = |material: &Material| {
+            // The media of shadow rays from transparent surfaces are found one by one.
+            if has_shadow_media && SurfaceTransmission::of(features, material) != SurfaceTransmission::None {
+                return None;
+            }
             let has_usual_medium = material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
             let is_usual = has_usual_lights
                 && has_usual_medium
@@ -58,7 +65,7 @@ impl LanePhongs {
             if is_usual { LanePhong::of(material, appearance, features) } else { None }
         };
         let phongs: Vec<_> = appearance.materials.iter().map(of).collect();
-        Self { are_complete: phongs.iter().all(Option::is_some), phongs }
+        Self { are_complete: phongs.iter().all(Option::is_some), phongs, has_shadow_media }
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::{inputs::TreeInputs, ray_tree::TreePath, wave::SpawnedRays};
 use crate::{
-    Material, Phong, RadianceSample, SurfaceHit, hit_context::HitContext, interior_list::MediumInterface,
+    InteriorList, Material, Phong, RadianceSample, SurfaceHit, hit_context::HitContext, interior_list::MediumInterface,
     lane_set::Element, medium::transmittance_to_light, optics, viewed_surface::ViewedSurface,
 };
 use rt_math::{Interval, Ray, Rgb};
@@ -37,7 +37,13 @@ impl<E: Element> SpawnedRays<E> {
         let HitContext { material, direction, is_inside, .. } = context;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let phong = &material.to_phong();
-        self.shade_direct(inputs, (material, phong), (&view, absorption), (&path, ray.time), seen);
+        let mut interior = None;
+        if inputs.phongs.has_shadow_media {
+            interior = interface.map(|_| tree.media.interior.clone());
+            absorption = Rgb::BLACK;
+        }
+        let near = (absorption, interior.as_ref());
+        self.shade_direct(inputs, (material, phong), (&view, near), (&path, ray.time), seen);
         let interface = interface.filter(|_| phong.transmission.is_some());
         self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
@@ -63,12 +69,13 @@ impl<E: Element> SpawnedRays<E> {
         self.refracted.push(ray, hit.span_after(ray), &path);
     }
 
-    /// Emission of a surface, and the direct light that it reflects, with the absorption of the medium before it.
+    /// Emission of a surface, and the direct light that it reflects. The medium before it absorbs on the whole way, or shadow rays start
+    /// in these media.
     fn shade_direct(
         &mut self,
         inputs: &TreeInputs<'_>,
         (material, phong): (&Material, &Phong),
-        (view, absorption): (&ViewedSurface<'_>, Rgb),
+        (view, (absorption, interior)): (&ViewedSurface<'_>, (Rgb, Option<&InteriorList>)),
         (path, time): (&TreePath, f64),
         seen: &mut RadianceSample,
     ) {
@@ -111,6 +118,9 @@ impl<E: Element> SpawnedRays<E> {
                         if shadowed {
                             let radiance = radiance * transmittance_to_light(absorption, lit.distance);
                             stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.sample, radiance);
+                            if let Some(interior) = interior {
+                                stream.start_in(interior.clone());
+                            }
                         } else {
                             seen.radiance += radiance;
                         }

@@ -295,7 +295,7 @@ impl<E: Element> SpawnedRays<E> {
                     continue;
                 }
                 let mut radiance = radiance;
-                if group.absorbed != 0 {
+                if group.absorbed != 0 && !inputs.phongs.has_shadow_media {
                     // The medium before the surface fills the whole way.
                     let of_lane = |lane: usize, distance| transmittance_to_light(self.absorption[lane & 7], distance);
                     let distance = lanes.widen(incident.distance);

@@ -107,7 +107,14 @@ impl<E: Element> TreeStreams<E> {
             }
             first_kind = RayKind::Reflection;
             for light in &mut spawned.lights.streams {
-                light.resolve(|rays, blocked| world.occluded_stream(rays, blocked), |radiance| radiance, seen);
+                if inputs.phongs.has_shadow_media {
+                    let scene = (&inputs.settings.features, inputs.appearance.materials.as_slice());
+                    let interior = |sample: u32| &spawned.trees[sample as usize].media.interior;
+                    light.trace_through_media(world, scene, interior, &mut spawned.counts);
+                } else {
+                    light.trace(world);
+                }
+                light.add_unblocked(|radiance| radiance, seen);
             }
             self.next_wave();
         }

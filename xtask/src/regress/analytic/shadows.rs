@@ -50,7 +50,8 @@ fn eclipse(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     Ok(())
 }
 
-/// Shadow rays end at the slab, and only sampled directions find the light behind it.
+/// Shadow rays pass a slab with the index of air. Sampled directions pass it as well, and so do those that look for lights behind objects
+/// without shadow.
 fn gel(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const ABSORPTION: f64 = 0.7;
     let (area_light, receiver) = (AreaLight::disk(1.0, 3.0, 0.0), Receiver::ground(0.5));
@@ -66,11 +67,15 @@ fn gel(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         "(shape: box(min: (-1e3, -1e3, 1), max: (1e3, 1e3, 2)), material: glass(ior: 1, absorption: gray({ABSORPTION})))"
     );
     let image = area_light.scene(&receiver, 1e-6, &slab)?;
+    let disk = "(shape: disk(radius: 1.5), transform: [rotate_x(90), translate(0, 0, 0.75)], material: \"black\", casts_shadow: false)";
+    let behind_disk = area_light.scene(&receiver, 1e-6, &format!("{slab}, {disk}"))?;
     let clear = "(shape: box(min: (-1e3, -1e3, 1), max: (1e3, 1e3, 2)), material: glass(ior: 1), casts_shadow: false)";
     let through_clear = area_light.scene(&receiver, 1e-6, clear)?;
     for integrator in [Integrator::Direct, Integrator::Path] {
         let what = integrator.name();
         image.hold(checks, what, irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
+        let what_behind = format!("behind a disk without shadow, {what}");
+        behind_disk.hold(checks, what_behind, irradiance, (integrator, PI / ALBEDO), conditions.effort())?;
         // Both techniques find this light.
         let what = format!("a clear slab without shadow, {what}");
         through_clear.hold(checks, what, 0.1 * PI, (integrator, PI / ALBEDO), conditions.effort())?;

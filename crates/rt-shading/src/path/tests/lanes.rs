@@ -146,7 +146,7 @@ impl TestScene {
     fn has_in_lanes(&self, material: Material) -> bool {
         let appearance = Appearance { materials: vec![material], ..self.appearance.clone() };
         let lighting = Lighting { appearance: &appearance, lights: &self.lights, bsdfs: &BsdfCache::default() };
-        LaneMaterials::new(lighting, Transport::Full).get(0).is_some()
+        LaneMaterials::new(lighting, Transport::Full, &ShadingFeatures::ALL).get(0).is_some()
     }
 }
 
@@ -475,7 +475,7 @@ fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_s
         DeltaLight::new(DeltaLightKind::Point { position, falloff: Falloff::None, shadow_near: 0.0 }, Rgb::gray(1e30));
     let lights = LightSet::new(vec![Light::Delta(glaring)], LightSampling::Tree, 10.0);
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &BsdfCache::default() };
-    assert!(LaneMaterials::new(lighting, Transport::Full).get(0).is_none());
+    assert!(LaneMaterials::new(lighting, Transport::Full, &ShadingFeatures::ALL).get(0).is_none());
 }
 
 mod layered;

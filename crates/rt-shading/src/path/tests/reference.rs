@@ -128,6 +128,20 @@ fn exhibition() -> Scene {
     scene
 }
 
+/// The exhibition with clouds of smoke that overlap each other, glass and a light.
+fn smoky_exhibition() -> Scene {
+    let mut scene = exhibition();
+    let clear = MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) };
+    let smoke = |absorption: Rgb, priority| solid(clear.clone(), InteriorMedium { ior: 1.0, absorption, priority });
+    let first = scene.appearance.materials.len() as u32;
+    scene.appearance.materials.extend([smoke(Rgb::new(0.3, 0.2, 0.4), 0), smoke(Rgb::new(0.1, 0.9, 0.2), 2)]);
+    for (center, radius, material) in [([-1.5, 1.0, 0.6], 1.1, 0), ([0.0, 3.0, 0.3], 1.3, 1), ([1.6, 0.7, 0.6], 1.2, 1)]
+    {
+        scene = scene.with(sphere_at(center, radius), first + material, None);
+    }
+    scene
+}
+
 /// Rays through the exhibition, with directions of other lengths than 1.
 fn views(count: u64) -> Vec<Ray> {
     let number = |index, dimension| random::unit(random::hash(&[41, index, dimension]));
@@ -160,6 +174,29 @@ fn every_path_has_the_radiance_of_the_reference() {
             assert!(lit > min_lit && counts.passages >= min_passages, "{lit} of {RAYS}, {settings:?}: {counts:?}");
             let may_clamp = settings.clamp != Clamp::NONE && settings.max_depth > 0;
             assert_eq!(counts.clamped > RAYS / 30, may_clamp, "{settings:?}: {counts:?}");
+        }
+    }
+}
+
+#[test]
+fn every_path_through_smoke_has_the_radiance_of_the_reference() {
+    assert!(!exhibition().appearance.has_shadow_media(&ShadingFeatures::ALL));
+    let mut scene = smoky_exhibition();
+    assert!(scene.appearance.has_shadow_media(&ShadingFeatures::ALL));
+    let lights = scene.light_set();
+    let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
+    let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
+    let (air, water) = (InteriorList::default(), InteriorList::filled_with(3));
+    for settings in all_settings().step_by(3) {
+        for (surroundings, is_air) in [(&air, true), (&water, false)] {
+            let (seen, counts) = trace(&mut scene.world, lighting, settings, from_ref(surroundings), &views(RAYS));
+            let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
+            assert!(
+                lit > RAYS as usize / 20 && counts.passages > RAYS / 2,
+                "{lit} of {RAYS}, {settings:?}: {counts:?}"
+            );
+            let in_lanes = counts.lanes_used > 0 || settings.max_depth == 0 || LaneLevel::best().is_none();
+            assert!(in_lanes || !is_air, "{settings:?}: {counts:?}");
         }
     }
 }
