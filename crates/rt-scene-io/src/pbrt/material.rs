@@ -3,7 +3,7 @@
 //! ```text
 //! diffuse         Lambert
 //! coateddiffuse   metallic-roughness, metallic 0
-//! conductor       measured metal; with a reflectance metallic-roughness, metallic 1
+//! conductor       metal by its index; with a textured reflectance metallic-roughness, metallic 1
 //! dielectric      glass                 thindielectric   thin glass
 //! mix             a weighted sum        interface        no surface
 //! ```
@@ -75,6 +75,15 @@ pub(super) fn read(
     }))
 }
 
+/// Index of a metal with this reflectance at normal incidence, as the format defines it: n = 1 and k = 2 √r / √(1 − r).
+fn ior_of_reflectance(reflectance: Rgb) -> ComplexIor {
+    let k = |r: f64| {
+        let r = r.clamp(0.0, 0.9999);
+        2.0 * r.sqrt() / (1.0 - r).sqrt()
+    };
+    ComplexIor { n: Rgb::WHITE, k: reflectance.map(k) }
+}
+
 struct MaterialParameters<'r> {
     parameters: &'r Parameters,
     textures: &'r PbrtTextures,
@@ -128,7 +137,13 @@ impl MaterialParameters<'_> {
             // Ambient light is reflected by the diffuse part only.
             let phong = *material.to_phong();
             let phong_override = Some(Phong { ambient: Phong::lambertian(phong.diffuse).ambient, ..phong });
-            return Ok(Material { phong_override, ..material });
+            let model = match base_color {
+                ColorTexture::Constant(reflectance) => {
+                    MaterialModel::Conductor { ior: ior_of_reflectance(reflectance), roughness }
+                }
+                ColorTexture::Textured(..) => material.model,
+            };
+            return Ok(Material { model, phong_override, ..material });
         }
         let mut half = |name: &str, of: fn(&ComplexIor) -> Rgb| match p.get(name) {
             None => Ok(of(&ComplexIor::COPPER)),

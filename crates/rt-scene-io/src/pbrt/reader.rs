@@ -333,7 +333,13 @@ impl<'f> PbrtReader<'f> {
                 let parameters = Parameters::read(tokens, line)?;
                 self.size = view::film(&parameters)?;
                 // These parameters do not change the scene.
-                parameters.pass_over(&["filename", "diagonal", "savefp16", "sensor"]);
+                parameters.pass_over(&["filename", "diagonal", "savefp16"]);
+                if let Some(sensor) = parameters.word("sensor", "string")?.filter(|sensor| *sensor != "cie1931") {
+                    self.warn(
+                        line,
+                        format!("the sensor \"{sensor}\" is not supported: colours are those of \"cie1931\""),
+                    );
+                }
                 self.warn_all(word, &parameters, Vec::new());
             }
             "Option" => {

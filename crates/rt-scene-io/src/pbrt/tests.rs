@@ -346,6 +346,31 @@ fn what_is_not_supported_is_listed_with_its_line() {
     );
 }
 
+/// Regression: sensors were ignored in silence.
+#[test]
+fn sensors_of_cameras_are_warnings() {
+    let film =
+        |sensor: &str| good(&format!("Film \"rgb\" \"string sensor\" \"{sensor}\"\nWorldBegin Shape \"sphere\""));
+    let model = film("canon_eos_5d");
+    let [warning] = &model.warnings[..] else { panic!("{:?}", model.warnings) };
+    assert!(warning.message.starts_with("the sensor \"canon_eos_5d\" is not supported"), "{}", warning.message);
+    assert_eq!((warning.place.as_str(), film("cie1931").warnings), ("m.pbrt:1", vec![]));
+}
+
+/// Regression: the reflectance rose by Schlick's approximation. The expected values are those of Fresnel's equations for n = 1 and
+/// k = 2 √r / √(1 − r), at 60 degrees.
+#[test]
+fn metals_of_a_reflectance_had_other_colours_aside() {
+    let model = good(&world("Material \"conductor\" \"rgb reflectance\" [.5 .2 .1] \"float roughness\" 0"));
+    let MaterialModel::Conductor { ior, roughness } = model.materials[0].model else { panic!("a metal") };
+    let close = |found: Rgb, expected: Rgb, error: f64| (found - expected).map(f64::abs).max_component() < error;
+    assert!(close(ior.fresnel(1.0), Rgb::new(0.5, 0.2, 0.1), 1e-12) && roughness == 0.0, "{ior:?}");
+    assert!(close(ior.fresnel(0.5), Rgb::new(0.529, 0.308, 0.218), 6e-4), "{:?}", ior.fresnel(0.5));
+    let brightest = good(&world("Material \"conductor\" \"rgb reflectance\" [1 0 2]"));
+    let MaterialModel::Conductor { ior, .. } = brightest.materials[0].model else { panic!("a metal") };
+    assert!(close(ior.fresnel(1.0), Rgb::new(0.9999, 0.0, 0.9999), 1e-9), "{ior:?}");
+}
+
 #[test]
 fn a_flat_patch_is_two_triangles_of_its_normal() {
     let model = good("WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]");
