@@ -111,8 +111,10 @@ impl FilmLayers {
     /// Layers without values.
     pub(crate) fn new(crop: Crop, layers: &[FirstHitLayer], is_fixed: bool) -> Self {
         let area = crop.width as usize * crop.height as usize;
+        // Memory that is zero at first; copies would be written twice.
+        let plane = |_: &&str| vec![0.0; area];
         let empty =
-            |&layer: &FirstHitLayer| LayerValues { layer, channels: vec![vec![0.0; area]; layer.channels().len()] };
+            |&layer: &FirstHitLayer| LayerValues { layer, channels: layer.channels().iter().map(plane).collect() };
         Self { crop, is_fixed, values: layers.iter().map(empty).collect(), filled: vec![false; tile_count(crop)] }
     }
 
@@ -150,8 +152,9 @@ impl FilmLayers {
     pub(crate) fn insert(&mut self, tile: Crop, channels: &[Vec<f32>]) {
         let planes = self.values.iter_mut().flat_map(|values| &mut values.channels);
         for (plane, channel) in planes.zip(channels) {
-            for (at, &value) in tile.pixels().zip(channel) {
-                plane[self.crop.pixel_index(at)] = value;
+            for (row, y) in channel.chunks_exact(tile.width as usize).zip(tile.y..) {
+                let start = self.crop.pixel_index([tile.x, y]);
+                plane[start..start + row.len()].copy_from_slice(row);
             }
         }
         self.filled[tile_number(self.crop, tile)] = true;

@@ -12,7 +12,7 @@ use crate::{
     primary_rays::PrimaryRayBatch,
     tile::tiles,
     tile_job::TileJob,
-    tile_layers::{LayerContext, TileLayers},
+    tile_layers::{LayerContext, SurfaceFeatures, TileLayers},
     tracer::SceneTracer,
     work_probe::WorkProbe,
 };
@@ -52,9 +52,11 @@ impl RenderPlan<'_> {
 
     /// Data of the scene that layers depend on.
     pub(crate) fn layer_context(&self) -> LayerContext<'_> {
+        let appearance = &self.scene.source.appearance;
         LayerContext {
             camera: &self.frame.camera,
-            appearance: &self.scene.source.appearance,
+            appearance,
+            features: self.surface_features.get_or_init(|| SurfaceFeatures::of_all(appearance)),
             origin: self.scene.space.origin(),
         }
     }

@@ -1,6 +1,6 @@
 //! Render plan: a scene compiled to the parts that its image depends on.
 
-use std::time::Instant;
+use std::{sync::OnceLock, time::Instant};
 
 use rt_camera::{CameraSettings, SamplerKind};
 use rt_scene_io::{Integrator, NamedCamera, RenderSettings, Scene};
@@ -14,6 +14,7 @@ use crate::{
     integrator::IntegratorState,
     memory::{MemoryPrediction, PerPixel},
     plan_options::PlanOptions,
+    tile_layers::SurfaceFeatures,
 };
 
 /// A scene compiled for rendering, for one camera and one integrator.
@@ -25,6 +26,8 @@ pub struct RenderPlan<'s> {
     pub(crate) integrator: IntegratorState,
     /// Name of the camera.
     pub(crate) camera_name: &'s str,
+    /// Features of materials, for layers.
+    pub(crate) surface_features: OnceLock<Vec<Option<SurfaceFeatures>>>,
     memory: MemoryPrediction,
     build_seconds: f64,
 }
@@ -77,6 +80,7 @@ impl<'s> RenderPlan<'s> {
             scene: compiled,
             frame,
             camera_name,
+            surface_features: OnceLock::new(),
             memory,
             build_seconds: started.elapsed().as_secs_f64(),
         })

@@ -1,9 +1,9 @@
 //! Layers of a tile, accumulated from the hits of its camera rays.
 
 use rt_camera::Camera;
-use rt_geometry::{Hit, InteractionFlags};
+use rt_geometry::{Hit, InteractionFlags, SurfaceInteraction};
 use rt_math::{DVec3, Ray, Rgb};
-use rt_shading::{Appearance, MaterialEvalContext, SurfaceHit, is_inside};
+use rt_shading::{Appearance, Material, MaterialEvalContext, SurfaceHit, is_inside};
 
 use crate::{
     first_hit_layers::{FAR_DEPTH, FirstHitLayer, MAX_LAYER_SAMPLES},
@@ -27,8 +27,35 @@ pub(crate) struct TileLayers<'a> {
 pub(crate) struct LayerContext<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) appearance: &'a Appearance,
+    /// Features of materials by index.
+    pub(crate) features: &'a [Option<SurfaceFeatures>],
     /// Origin of render space, in world space.
     pub(crate) origin: DVec3,
+}
+
+/// Properties of a material that layers show.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceFeatures {
+    albedo: Rgb,
+    roughness: f64,
+    /// Emitted radiance of the front and of the back.
+    emission: [Rgb; 2],
+}
+
+impl SurfaceFeatures {
+    /// Features of the materials of a scene; `None` for those that have textures.
+    pub(crate) fn of_all(appearance: &Appearance) -> Vec<Option<Self>> {
+        let anywhere = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+        let of = |material: &Material| (!material.is_textured()).then(|| Self::at(appearance, material, &anywhere));
+        appearance.materials.iter().map(of).collect()
+    }
+
+    #[inline]
+    fn at(appearance: &Appearance, material: &Material, surface: &SurfaceInteraction) -> Self {
+        let at = MaterialEvalContext { textures: &appearance.textures, surface, ior: 1.0 };
+        let emission = [false, true].map(|is_inside| material.emitted_radiance(at.textures, surface, is_inside));
+        Self { albedo: material.albedo(&at), roughness: material.roughness(&at), emission }
+    }
 }
 
 /// Sums over the samples of a pixel.
@@ -62,9 +89,10 @@ impl<'a> TileLayers<'a> {
             let used = count.min(MAX_LAYER_SAMPLES.saturating_sub(self.next.1) as usize);
             let sums = &mut self.sums[self.next.0];
             for (ray, hit) in rest.by_ref().take(used) {
-                let surface = hit.and_then(|hit| Some((hit, world.surface(&ray, &hit, self.needs)?)));
-                if let Some((hit, surface)) = surface {
-                    sums.add(&self.context, &ray, &surface);
+                let Some(hit) = hit else { continue };
+                // The surface is large, and not moved.
+                if let Some(surface) = &world.surface(&ray, &hit, self.needs) {
+                    sums.add(&self.context, &ray, surface);
                     if sums.hits == 1 {
                         let [object, instance] = world.ids(&hit).unwrap_or([u32::MAX; 2]);
                         sums.ids = [object, surface.material, instance].map(|id| id.saturating_add(1));
@@ -106,11 +134,12 @@ impl PixelSums {
         self.uv[0] += interaction.uv[0];
         self.uv[1] += interaction.uv[1];
         let appearance = context.appearance;
-        if let Some(material) = appearance.materials.get(surface.material as usize) {
-            let at = MaterialEvalContext { textures: &appearance.textures, surface: interaction, ior: 1.0 };
-            self.albedo += material.albedo(&at);
-            self.roughness += material.roughness(&at);
-            self.emission += material.emitted_radiance(&appearance.textures, interaction, is_inside);
+        let material = surface.material as usize;
+        let here = || Some(SurfaceFeatures::at(appearance, appearance.materials.get(material)?, interaction));
+        if let Some(features) = context.features.get(material).copied().flatten().or_else(here) {
+            self.albedo += features.albedo;
+            self.roughness += features.roughness;
+            self.emission += features.emission[usize::from(is_inside)];
         }
     }
 
