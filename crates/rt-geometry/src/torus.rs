@@ -62,18 +62,21 @@ impl Torus {
     /// the quartic and is evaluated from geometry. The roots of its slope split the ray into intervals in which it is
     /// monotone. A change of sign in an interval brackets one root.
     pub fn intersect(&self, ray: &Ray, span: Interval) -> Option<ShapeHit> {
-        let chord = Chord::new(self, ray)?;
-        let splits = chord.splits();
-        let mut start = (splits[0], chord.excess(splits[0]));
-        for &split in &splits[1..] {
+        let chord = Chord::new(self, ray).filter(|chord| !chord.passes_by())?;
+        let mut start = (-chord.reach, chord.excess(-chord.reach));
+        // Splits behind the hit are not needed, and no roots outside of the span.
+        for split in chord.splits() {
             let end = (split, chord.excess(split));
             // The surface counts as inside: a tangent ray hits it twice at the same parameter.
-            if (start.1 > 0.0) != (end.1 > 0.0) {
+            if (start.1 > 0.0) != (end.1 > 0.0) && chord.t_from_arc(split) >= span.min {
                 let s = bracketed_root(|s| chord.excess(s), [start.0, end.0], UNIT_ROUNDOFF * self.tube_radius);
                 let t = chord.t_from_arc(s);
                 if t >= span.min {
                     return (t <= span.max).then_some(ShapeHit { t, uv: [s, 0.0] });
                 }
+            }
+            if chord.t_from_arc(split) > span.max {
+                return None;
             }
             start = end;
         }
@@ -128,6 +131,24 @@ impl<'a> Chord<'a> {
         is_sound.then_some(Self { torus, middle, towards, t_middle, speed, reach })
     }
 
+    /// True if the ray passes through the hole or outside of the ring wherever it is at the height of the tube.
+    fn passes_by(&self) -> bool {
+        let (m, d, Torus { radius, tube_radius }) = (self.middle, self.towards, *self.torus);
+        // Wider than the tube by more than rounding.
+        let tube = tube_radius * (1.0 + 1.0 / 1024.0) + radius * UNIT_ROUNDOFF * 1024.0;
+        // Infinite or NaN for a level ray, which stays at its height.
+        let heights = [(-tube - m.y) / d.y, (tube - m.y) / d.y];
+        let (from, to) = (heights[0].min(heights[1]).max(-self.reach), heights[0].max(heights[1]).min(self.reach));
+        let nearest = -(m.x * d.x + m.z * d.z) / (d.x * d.x + d.z * d.z);
+        let from_axis = |s: f64| {
+            let p = self.at(s);
+            (p.x * p.x + p.z * p.z).sqrt()
+        };
+        from > to
+            || from_axis(from).max(from_axis(to)) < radius - tube
+            || from_axis(nearest.max(from).min(to)) > radius + tube
+    }
+
     fn at(&self, s: f64) -> DVec3 {
         self.middle + self.towards * s
     }
@@ -152,13 +173,13 @@ impl<'a> Chord<'a> {
         (from_axis - self.torus.radius) * growth + p.y * d.y
     }
 
-    /// Ascending distances between which the excess is monotone; the first and the last are outside.
+    /// Ascending distances up to which the excess is monotone, from the start of the chord to its end. Both are outside.
     ///
     /// The distance h from the axis has h² = A·(s − v)² + K/A. A is the square of the direction's part across the axis,
     /// and K = (m × d)² for the middle m, also across. The derivative of the slope is 1 − R·K/h³: the slope falls
     /// within a stretch around v, where h³ < R·K, and grows outside of it. So it has at most one zero in each of the
     /// three.
-    fn splits(&self) -> [f64; 5] {
+    fn splits(&self) -> impl Iterator<Item = f64> {
         let (m, d) = (self.middle, self.towards);
         let across = d.x * d.x + d.z * d.z;
         let m_cross_d = m.x * d.z - m.z * d.x;
@@ -171,13 +192,8 @@ impl<'a> Chord<'a> {
         // A ray along the axis has no such stretch.
         let (fall_start, fall_end) =
             if across > 0.0 { (inside(nearest - half), inside(nearest + half)) } else { (self.reach, self.reach) };
-        [
-            -self.reach,
-            self.zero_of_slope(-self.reach, fall_start),
-            self.zero_of_slope(fall_start, fall_end),
-            self.zero_of_slope(fall_end, self.reach),
-            self.reach,
-        ]
+        let stretches = [[-self.reach, fall_start], [fall_start, fall_end], [fall_end, self.reach]];
+        stretches.into_iter().map(|[a, b]| self.zero_of_slope(a, b)).chain([self.reach])
     }
 
     /// Root of the slope; an end of the interval without a change of sign.
