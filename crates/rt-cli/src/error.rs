@@ -121,6 +121,11 @@ impl CliError {
         Self::Interrupted { after: "0.0 % of the samples".to_owned(), image: None, checkpoint: None }
     }
 
+    /// This error in a frame of an animation.
+    pub(crate) fn in_frame(self, frame: u32) -> Self {
+        Self::Frame { frame, source: Box::new(self) }
+    }
+
     /// Error of the plan, or a usage error if only an option can cause it.
     pub(crate) fn plan(file: &Path, source: RenderError) -> Self {
         match source {

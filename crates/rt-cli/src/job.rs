@@ -94,12 +94,13 @@ impl JobOutput {
 }
 
 impl Job<'_> {
-    /// Renders, writes the image and the statistics, and reports.
-    pub(crate) fn run(&self) -> Result<(), CliError> {
+    /// Renders, writes the image and the statistics, and reports. Signals do not end the program while the returned guard lives.
+    pub(crate) fn run(&self) -> Result<SignalGuard, CliError> {
         if self.is_done()? {
             self.remove_leftover()?;
             let shard = self.output.file().path().display();
-            return self.console.println(format_args!("{shard} exists and is finished"));
+            self.console.println(format_args!("{shard} exists and is finished"))?;
+            return Ok(signals::guard());
         }
         let plan = self.compile()?;
         let display = self.display_server.map(|server| self.connect(server)).transpose()?;
@@ -162,7 +163,8 @@ impl Job<'_> {
             checkpointer.remove();
         }
         self.check_samples(&rendering.statistics)?;
-        self.check_content(&plan, &rendering)
+        self.check_content(&plan, &rendering)?;
+        Ok(guard)
     }
 
     fn nothing_finished(&self, checkpoint: Option<Result<SavedCheckpoint, String>>) -> CliError {

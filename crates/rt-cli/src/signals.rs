@@ -6,14 +6,15 @@
 //! | SIGTERM, SIGHUP | ends the render and saves it, even if repeated | ends the program |
 //! | SIGXFSZ | has no effect: a write beyond the limit of `ulimit -f` returns an error | the same |
 //!
-//! `render` handles signals from its start, so that the exit code is the same while it loads the scene.
+//! `render` handles signals from its start, so that the exit code is the same while it loads the scene. Between frames, signals end the
+//! program with the message on the next frame.
 //!
 //! `timeout` and shells send a signal twice: to the program and to its process group. A repeated signal therefore does not end the
 //! program at once, unless it is a late SIGINT.
 
 use std::process;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::Duration;
 
 use crate::console::{print_error, print_to_terminal};
@@ -25,8 +26,10 @@ const SAME_INTERRUPT: Duration = Duration::from_millis(500);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Number of live [`SignalGuard`]s.
 static GUARDS: AtomicUsize = AtomicUsize::new(0);
-/// True in a render that has not had a guard.
+/// True in a render that has not had a guard, and before each frame.
 static IS_BEFORE_RENDER: AtomicBool = AtomicBool::new(false);
+/// Frame that is rendered next.
+static NEXT_FRAME: Mutex<Option<u32>> = Mutex::new(None);
 
 /// Signals only set a flag while the guard lives, except for a second SIGINT half a second after the first.
 pub(crate) fn guard() -> SignalGuard {
@@ -36,10 +39,16 @@ pub(crate) fn guard() -> SignalGuard {
     SignalGuard(())
 }
 
-/// Lets signals before the first guard end the program with the message and the exit code of an interrupted render.
+/// Lets signals before the next guard end the program with the message and the exit code of an interrupted render.
 pub(crate) fn end_render_on_signals() {
     IS_BEFORE_RENDER.store(true, Ordering::Relaxed);
     install_once();
+}
+
+/// Version of [`end_render_on_signals`] whose message names the frame.
+pub(crate) fn end_frame_on_signals(frame: u32) {
+    *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame);
+    end_render_on_signals();
 }
 
 /// Lets signals end the program, even if the parent process ignores SIGINT, as shells do for jobs in the background.
@@ -94,7 +103,12 @@ fn end() -> ! {
 fn interrupt() {
     if GUARDS.load(Ordering::Relaxed) == 0 {
         if IS_BEFORE_RENDER.load(Ordering::Relaxed) {
-            print_error(&CliError::interrupted_at_once());
+            let frame = *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner);
+            let error = CliError::interrupted_at_once();
+            print_error(&match frame {
+                Some(frame) => error.in_frame(frame),
+                None => error,
+            });
         }
         end();
     }

@@ -21,6 +21,7 @@ use crate::job::{Job, JobOutput};
 use crate::output::{OutputFile, is_null_device, refuse_terminal};
 use crate::output_error::OutputError;
 use crate::settings;
+use crate::signals::SignalGuard;
 use crate::stdin::is_dash;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
@@ -31,11 +32,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), CliError> {
     match args.frames.frames {
         Some(FrameChoice::Some(frames)) => frames::each(args, frames, image),
         Some(FrameChoice::All) => frames::each(args, frames::all(args)?, image),
-        None => image(args),
+        None => image(args).map(drop),
     }
 }
 
-fn image(args: &RenderArgs) -> Result<(), CliError> {
+/// Renders an image or a shard. The guard keeps signals from ending the program before the frame log is written.
+fn image(args: &RenderArgs) -> Result<SignalGuard, CliError> {
     refuse_for_shards(args)?;
     let console = Console { quiet: args.run.quiet };
     let scene_file = args.input.scene.as_path();

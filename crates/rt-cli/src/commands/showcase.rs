@@ -48,7 +48,7 @@ fn render(scene: &Scene, load_seconds: f64, image: &Path) -> Result<(), CliError
         console,
     };
     console.println("rendering a built-in scene; --help lists all commands")?;
-    job.run()?;
+    drop(job.run()?);
     // The scenes are those of the repository.
     if Path::new(STILL_LIFE).is_file() { console.println(next_steps()) } else { Ok(()) }
 }

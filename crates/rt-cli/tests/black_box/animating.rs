@@ -1,6 +1,6 @@
 //! Sequences of images.
 
-use crate::program::{ANIMATED, Run, Workplace};
+use crate::program::{ANIMATED, Run, Workplace, signal, wait_until};
 
 /// A ball that flies past a camera, which is itself on its way, with the shutter open for half a frame.
 const FLIGHT: &str = "(
@@ -167,6 +167,26 @@ fn an_animation_with_an_unfinished_frame_is_refused_before_its_first_frame() {
     let run = place.fails(2, command, message);
     assert_eq!(run.stdout, "");
     place.prints(&format!("{command} --resume"), "frame 0 of 0..2 exists already\n");
+}
+
+/// It ended without a message while it read the scene of a later frame.
+#[test]
+#[cfg(unix)]
+fn an_interrupt_between_frames_has_a_message() {
+    let place =
+        Workplace::with("slow.ron", "(film: (size: (4, 4)), settings: (spp: 1), nodes: [(model: \"slow.obj\")])");
+    // Its frames take longer to read than to render.
+    place.write("slow.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_owned() + &"v 0.25 0.5 0.75\n".repeat(300_000));
+    for name in ["TERM", "INT"] {
+        let child = place.spawn("render slow.ron -o out-#.pfm --frames 0..99 --restart");
+        wait_until("a finished frame", || place.path("out-#.pfm.frames.json").exists());
+        signal(&child, name);
+        let run = Run::end(child);
+        assert_eq!(run.code, Some(130), "{run:?}");
+        let end = ": interrupted after 0.0 % of the samples; no image was written\n";
+        assert!(run.stderr.starts_with("error: frame ") && run.stderr.ends_with(end), "{name}: {run:?}");
+        std::fs::remove_file(place.path("out-#.pfm.frames.json")).expect("it exists");
+    }
 }
 
 #[test]

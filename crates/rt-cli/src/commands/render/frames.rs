@@ -11,13 +11,14 @@ use crate::console::Console;
 use crate::error::{CliError, usage};
 use crate::frame_log::FrameLog;
 use crate::identity::Identity;
+use crate::signals::SignalGuard;
 use crate::{checkpointer, image_file, input, signals};
 
 /// Renders the frames in order; stops at the first failure.
 pub(super) fn each(
     args: &RenderArgs,
     frames: Frames,
-    render: impl Fn(&RenderArgs) -> Result<(), CliError>,
+    render: impl Fn(&RenderArgs) -> Result<SignalGuard, CliError>,
 ) -> Result<(), CliError> {
     let console = Console { quiet: args.run.quiet };
     let say = |frame: u32, what: String| console.println(format_args!("frame {frame} of {frames}{what}"));
@@ -30,8 +31,9 @@ pub(super) fn each(
     if frames.is_single() {
         // A single frame has no frame log.
         return frames.indices().filter(|frame| spec.holds(*frame as usize)).try_for_each(|frame| {
+            signals::end_frame_on_signals(frame);
             say(frame, at(frame))?;
-            render(&of_frame(args, frame)).map_err(|source| failed(frame, source))
+            render(&of_frame(args, frame)).map(drop).map_err(|error| error.in_frame(frame))
         });
     }
     refuse_shared_files(args)?;
@@ -42,13 +44,16 @@ pub(super) fn each(
         let own = frames.indices().filter(|frame| spec.holds(*frame as usize));
         refuse_checkpoints(args, own, &mut files)?;
     }
+    let mut saving = None;
     for frame in frames.indices().filter(|frame| spec.holds(*frame as usize)) {
+        signals::end_frame_on_signals(frame);
+        drop(saving.take());
         if signals::is_interrupted() {
-            // The signal came after the previous frame was finished.
-            return Err(failed(frame, CliError::interrupted_at_once()));
+            // The signal came when the previous frame was finished.
+            return Err(CliError::interrupted_at_once().in_frame(frame));
         }
         let args = of_frame(args, frame);
-        let identity = identity_of(&args, &mut files).map_err(|source| failed(frame, source))?;
+        let identity = identity_of(&args, &mut files).map_err(|error| error.in_frame(frame))?;
         // Finished frames depend on stop rule and tone mapping as well.
         let identity = identity.with(&format!("{:?}", (&args.stop, &args.development)));
         let image = output(&args);
@@ -57,8 +62,7 @@ pub(super) fn each(
             continue;
         }
         say(frame, at(frame))?;
-        render(&args).map_err(|source| failed(frame, source))?;
-        let _guard = signals::guard();
+        saving = Some(render(&args).map_err(|error| error.in_frame(frame))?);
         log.add(frame, &identity, &image)?;
     }
     Ok(())
@@ -87,10 +91,6 @@ fn results(args: &RenderArgs) -> impl Iterator<Item = &Path> {
     args.output.as_deref().into_iter().chain(args.run.stats.as_deref()).chain(aovs)
 }
 
-fn failed(frame: u32, source: CliError) -> CliError {
-    CliError::Frame { frame, source: Box::new(source) }
-}
-
 /// Refuses checkpoints of unfinished frames.
 fn refuse_checkpoints(
     args: &RenderArgs,
@@ -102,7 +102,7 @@ fn refuse_checkpoints(
         let file = checkpointer::path_for(&args.checkpoint, &output(&args));
         if file.exists() {
             let refuse = |identity| checkpointer::refuse_unfinished(&file, identity, args.input.memory.limit());
-            identity_of(&args, files).and_then(refuse).map_err(|source| failed(frame, source))?;
+            identity_of(&args, files).and_then(refuse).map_err(|error| error.in_frame(frame))?;
         }
     }
     Ok(())
