@@ -44,7 +44,7 @@ impl FileSample {
         Self::read(File::open(path).ok()?, metadata.len())
     }
 
-    fn read(mut file: impl Read + Seek, size: u64) -> Option<Self> {
+    pub(crate) fn read(mut file: impl Read + Seek, size: u64) -> Option<Self> {
         let stride = size.div_ceil(PIECES).max(PIECE_BYTES);
         let mut pieces = Vec::new();
         for start in (0..size).step_by(usize::try_from(stride).ok()?) {

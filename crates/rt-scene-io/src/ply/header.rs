@@ -7,6 +7,17 @@ use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
 use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, STRIPS, column};
 use crate::LoadErrorKind;
 
+/// Replaces the line ends of old Macintosh systems up to the end of the header: binary data follow.
+pub(super) fn unify_line_ends(bytes: &mut [u8]) {
+    const END: &[u8] = b"\rend_header\r";
+    if !bytes.starts_with(b"ply\r") || bytes.starts_with(b"ply\r\n") {
+        return;
+    }
+    if let Some(start) = bytes.windows(END.len()).position(|window| window == END) {
+        bytes[..start + END.len()].iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+    }
+}
+
 /// Checks that there are vertices with positions, and that the `present` bytes after the header can hold all rows.
 pub(super) fn check(header: &PlyHeader, present: u64) -> Result<(), LoadErrorKind> {
     // The white space after the last word of a text may be missing.

@@ -68,7 +68,9 @@ fn peak_bytes(sample: &FileSample) -> u64 {
 
 /// Number of rows that the header declares for an element.
 fn count(sample: &FileSample, name: &str) -> u64 {
-    let header = PlyReader::from_reader(&mut sample.head()).map(|reader| reader.header().clone()).ok();
+    let mut head = sample.head().to_vec();
+    header::unify_line_ends(&mut head);
+    let header = PlyReader::from_reader(&mut head.as_slice()).map(|reader| reader.header().clone()).ok();
     header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
 }
 
@@ -77,6 +79,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUv
     if bytes.starts_with(b"ply\rformat ascii") {
         unify_line_ends(&mut bytes);
     }
+    header::unify_line_ends(&mut bytes);
     // The reader wants white space after the last word; behind binary data it does no harm.
     bytes.push(b'\n');
     let mut rest = bytes.as_slice();

@@ -52,6 +52,24 @@ fn lines_of_text_may_end_in_carriage_returns() {
     assert_eq!(load_all(SQUARE.replace('\n', "\r")).expect("a square").mesh_data(0).triangles.len(), 2);
 }
 
+/// A binary file whose header has the line ends of old Macintosh systems was refused.
+#[test]
+fn lines_of_a_binary_header_may_end_in_carriage_returns() {
+    for big in [false, true] {
+        let mut bytes = binary(big);
+        let end = bytes.windows(11).position(|window| window == b"end_header\n").expect("an end") + 11;
+        bytes[..end].iter_mut().filter(|byte| **byte == b'\n').for_each(|byte| *byte = b'\r');
+        // A byte of the data is a carriage return.
+        bytes[end] = b'\r';
+        let model = load_all(bytes.clone()).expect("a square");
+        assert_eq!(model.mesh_data(0).triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(model.mesh_data(0).positions[1], Vec3::X);
+        assert!(model.mesh_data(0).positions[0] != Vec3::ZERO);
+        let sample = FileSample::read(std::io::Cursor::new(&bytes), bytes.len() as u64).expect("a sample");
+        assert_eq!((count(&sample, "vertex"), count(&sample, "face")), (4, 2));
+    }
+}
+
 #[test]
 fn text_and_both_byte_orders_hold_the_same_square() {
     let text = load_all(SQUARE).expect("a square");
