@@ -10,11 +10,12 @@ import argparse
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 import rt
 
 
-def cosine_directions(normals, n, generator):
+def cosine_directions(normals: NDArray[np.float64], n: int, generator: np.random.Generator) -> NDArray[np.float64]:
     """n² directions around each normal with a density proportional to the cosine, jittered in strata."""
     cells = np.indices((n, n)).reshape(2, -1).T
     u, v = ((cells + generator.random((len(normals), n * n, 2))) / n).transpose(2, 0, 1)
@@ -24,17 +25,23 @@ def cosine_directions(normals, n, generator):
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     bitangent = np.cross(normals, tangent)
     x, y, z = radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - u)
-    return x[..., None] * tangent[:, None] + y[..., None] * bitangent[:, None] + z[..., None] * normals[:, None]
+    directions: NDArray[np.float64] = (
+        x[..., None] * tangent[:, None] + y[..., None] * bitangent[:, None] + z[..., None] * normals[:, None]
+    )
+    return directions
 
 
-def bake(scene, points, normals, n, offset=1e-6, seed=0):
+def bake(
+    scene: rt.Scene, points: NDArray[np.float64], normals: NDArray[np.float64], n: int, offset: float = 1e-6, seed: int = 0
+) -> NDArray[np.float64]:
     """Visible share of the sky at each point."""
     directions = cosine_directions(normals, n, np.random.default_rng(seed))
     origins = points + offset * normals
-    return 1 - scene.any_hit(origins[:, None], directions).mean(axis=1)
+    hidden: NDArray[np.float64] = scene.any_hit(origins[:, None], directions).mean(axis=1)
+    return 1 - hidden
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=16, help="square root of the number of rays of a vertex")
     parser.add_argument("--size", type=int, default=96, help="vertices of the plane on each side")

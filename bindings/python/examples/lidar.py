@@ -11,6 +11,7 @@ import argparse
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 import rt
 
@@ -18,22 +19,25 @@ LEAF_SHARE = 0.5
 MAX_RETURNS = 4
 MOUNTING_HEIGHT = 1.8
 
+# Vertices and faces.
+Part = tuple[NDArray[np.float64], NDArray[np.int64]]
 
-def box(low, high):
+
+def box(low: list[float], high: list[float]) -> Part:
     corners = np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
              [1, 5, 7], [1, 7, 3]]
     return corners, np.array(faces)
 
 
-def merged(parts):
+def merged(parts: list[Part]) -> Part:
     offsets = np.cumsum([0] + [len(vertices) for vertices, _ in parts[:-1]])
     return np.concatenate([v for v, _ in parts]), np.concatenate([f + o for (_, f), o in zip(parts, offsets)])
 
 
-def town(generator):
+def town(generator: np.random.Generator) -> tuple[rt.TriangleMesh, rt.TriangleMesh]:
     """Solid things and leaves as two meshes."""
-    ground = [np.array([[-200.0, -200, 0], [200, -200, 0], [200, 200, 0], [-200, 200, 0]]), np.array([[0, 1, 2], [0, 2, 3]])]
+    ground = (np.array([[-200.0, -200, 0], [200, -200, 0], [200, 200, 0], [-200, 200, 0]]), np.array([[0, 1, 2], [0, 2, 3]]))
     houses = [box([x, y, 0], [x + 12, y + 10 * np.sign(y), 6 + 4 * generator.random()])
               for x in range(-60, 60, 20) for y in (-9, 9)]
     poles = [box([x - 0.1, y - 0.1, 0], [x + 0.1, y + 0.1, 6]) for x in range(-55, 60, 20) for y in (-5, 5)]
@@ -43,10 +47,10 @@ def town(generator):
             centres = [x, y, 4.5] + generator.normal(scale=[0.8, 0.8, 0.9], size=(1500, 3))
             corners = centres[:, None] + generator.normal(scale=0.12, size=(1500, 3, 3))
             leaves.append((corners.reshape(-1, 3), np.arange(4500).reshape(-1, 3)))
-    return rt.TriangleMesh(*merged([tuple(ground), *houses, *poles])), rt.TriangleMesh(*merged(leaves))
+    return rt.TriangleMesh(*merged([ground, *houses, *poles])), rt.TriangleMesh(*merged(leaves))
 
 
-def beams(columns, speed=10.0, turn_time=0.1):
+def beams(columns: int, speed: float = 10.0, turn_time: float = 0.1) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Origins and directions of all beams of one turn, of shape (columns, 64, 3)."""
     moment = np.arange(columns) / columns
     azimuth = 2 * np.pi * moment
@@ -60,7 +64,13 @@ def beams(columns, speed=10.0, turn_time=0.1):
     return origins[:, None], directions
 
 
-def scan(solid, leaves, origins, directions, reach=120.0):
+def scan(
+    solid: rt.TriangleMesh,
+    leaves: rt.TriangleMesh,
+    origins: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    reach: float = 120.0,
+) -> NDArray[np.void]:
     """Points of all returns as records: place, intensity, number of the return, column and beam."""
     scene = rt.Scene([solid, leaves])
     hits = scene.all_hits(origins, directions, t_max=reach)
@@ -89,7 +99,7 @@ def scan(solid, leaves, origins, directions, reach=120.0):
     return cloud[light > 0]
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--columns", type=int, default=2048, help="columns of 64 beams in one turn")
     parser.add_argument("--out", help="file for the cloud, as a numpy array of records")

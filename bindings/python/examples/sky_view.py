@@ -10,11 +10,12 @@ import argparse
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 import rt
 
 
-def terrain(heights, step):
+def terrain(heights: NDArray[np.float64], step: float) -> tuple[rt.TriangleMesh, NDArray[np.float64]]:
     """Grid of heights as a mesh."""
     n, m = heights.shape
     x, y = np.meshgrid(np.arange(n) * step, np.arange(m) * step, indexing="ij")
@@ -24,22 +25,24 @@ def terrain(heights, step):
     return rt.TriangleMesh(np.stack([x, y, heights], axis=-1).reshape(-1, 3), faces), np.stack([x, y, heights], axis=-1)
 
 
-def cosine_directions(n):
+def cosine_directions(n: int) -> NDArray[np.float64]:
     """n² directions of the upper hemisphere, stratified, with a density proportional to the cosine."""
     u, v = ((np.indices((n, n)) + 0.5) / n).reshape(2, -1)
     radius = np.sqrt(u)
     return np.stack([radius * np.cos(2 * np.pi * v), radius * np.sin(2 * np.pi * v), np.sqrt(1 - u)], axis=-1)
 
 
-def sky_view(mesh, points, directions):
+def sky_view(mesh: rt.TriangleMesh, points: NDArray[np.float64], directions: NDArray[np.float64]) -> NDArray[np.float64]:
     # A little above the surface: the point itself lies on it.
     origins = points + [0, 0, 1e-9]
-    return 1 - mesh.any_hit(origins[..., None, :], directions).mean(axis=-1)
+    hidden: NDArray[np.float64] = mesh.any_hit(origins[..., None, :], directions).mean(axis=-1)
+    return 1 - hidden
 
 
-def horizon(mesh, points, azimuth, steps=40):
+def horizon(mesh: rt.TriangleMesh, points: NDArray[np.float64], azimuth: float, steps: int = 40) -> NDArray[np.float64]:
     """Elevation of the horizon in radians, by bisection: visible above, hidden below."""
-    low, high = np.zeros(points.shape[:-1]), np.full(points.shape[:-1], np.pi / 2)
+    low: NDArray[np.float64] = np.zeros(points.shape[:-1])
+    high: NDArray[np.float64] = np.full(points.shape[:-1], np.pi / 2)
     flat = np.array([np.cos(azimuth), np.sin(azimuth)])
     for _ in range(steps):
         middle = (low + high) / 2
@@ -49,7 +52,7 @@ def horizon(mesh, points, azimuth, steps=40):
     return (low + high) / 2
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=int, default=96, help="points of the terrain on each side")
     parser.add_argument("--directions", type=int, default=24, help="square root of the number of directions")

@@ -10,11 +10,12 @@ import argparse
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 import rt
 
 
-def sphere(radius, n):
+def sphere(radius: float, n: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Sphere of 6 n² squares, each of two triangles, counter-clockwise seen from outside."""
     side = np.tan(np.linspace(-np.pi / 4, np.pi / 4, n + 1))
     u, v = np.meshgrid(side, side, indexing="ij")
@@ -30,7 +31,7 @@ def sphere(radius, n):
     return np.concatenate(vertices), np.concatenate(faces)
 
 
-def thickness(mesh):
+def thickness(mesh: rt.TriangleMesh) -> NDArray[np.float64]:
     """Thickness at the centroid of each face, along the normal of the face; infinite where there is no other side."""
     corners = mesh.vertices.astype(np.float64)[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -44,7 +45,7 @@ def thickness(mesh):
     return first
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--detail", type=int, default=60, help="squares on each side of the spheres")
     parser.add_argument("--figure", help="slice of the signed distance (needs matplotlib)")
