@@ -25,6 +25,22 @@ fn folder() -> (TempDir, PathBuf) {
     (folder, model)
 }
 
+/// Version of [`folder`] with options whose assets may lie anywhere in it.
+fn rooted() -> (TempDir, PathBuf, LoadOptions) {
+    let (folder, model) = folder();
+    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    (folder, model, root)
+}
+
+/// Writes the scene that `input` becomes, and checks that it gives the same image. Returns its text.
+#[cfg(unix)]
+fn converted(input: &Path, output: &Path, options: &LoadOptions) -> String {
+    let text = convert(input, output, options).unwrap().text;
+    fs::write(output, &text).unwrap();
+    assert_eq!(image(&load(output, options).unwrap()), image(&load(input, options).unwrap()), "{}", input.display());
+    text
+}
+
 fn scene(folder: &Path, text: &str) -> Scene {
     let path = folder.join("scene.ron");
     fs::write(&path, text).unwrap();
@@ -105,8 +121,7 @@ fn a_converted_model_is_written_to_be_edited() {
 
 #[test]
 fn references_follow_a_scene_to_another_folder() {
-    let (folder, model) = folder();
-    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    let (folder, model, root) = rooted();
     fs::create_dir(folder.path().join("scenes")).unwrap();
     let output = folder.path().join("scenes/out.ron");
     let text = convert(&model, &output, &root).unwrap().text;
@@ -126,17 +141,13 @@ fn references_follow_a_scene_to_another_folder() {
 #[cfg(unix)]
 #[test]
 fn a_converted_scene_refers_to_the_link_to_a_model() {
-    let (folder, model) = folder();
+    let (folder, model, root) = rooted();
     let at = |name: &str| folder.path().join(name);
     ["real", "out"].iter().for_each(|name| fs::create_dir(at(name)).unwrap());
     fs::rename(&model, at("real/t.obj")).unwrap();
     std::os::unix::fs::symlink("real/t.obj", &model).unwrap();
-    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
-    let output = at("out/t.ron");
-    let text = convert(&model, &output, &root).unwrap().text;
+    let text = converted(&model, &at("out/t.ron"), &root);
     assert!(text.contains("model: \"../a.obj\""), "{text}");
-    fs::write(&output, text).unwrap();
-    assert_eq!(image(&load(&output, &root).unwrap()), image(&load(&model, &root).unwrap()));
 }
 
 /// A scene with a link next to it needs the root of the target of the link.
@@ -159,8 +170,7 @@ fn a_converted_scene_names_the_root_of_links_that_leave_its_folder() {
 #[cfg(unix)]
 #[test]
 fn a_converted_scene_refers_to_a_model_with_a_colon_in_its_name() {
-    let (folder, model) = folder();
-    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    let (folder, model, root) = rooted();
     fs::create_dir(folder.path().join("c:")).unwrap();
     for needed in ["a.mtl", "a.png"] {
         fs::copy(folder.path().join(needed), folder.path().join("c:").join(needed)).unwrap();
@@ -169,9 +179,7 @@ fn a_converted_scene_refers_to_a_model_with_a_colon_in_its_name() {
         let input = folder.path().join(name);
         fs::copy(&model, &input).unwrap();
         for output in ["out.ron", "c:/out.ron"] {
-            let output = folder.path().join(output);
-            fs::write(&output, convert(&input, &output, &root).unwrap().text).unwrap();
-            assert_eq!(image(&load(&output, &root).unwrap()), image(&load(&input, &root).unwrap()), "{name}");
+            converted(&input, &folder.path().join(output), &root);
         }
     }
 }
@@ -183,8 +191,7 @@ fn names_that_no_scene_can_refer_to_are_refused() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt as _;
 
-    let (folder, model) = folder();
-    let root = LoadOptions { root: Some(folder.path().to_path_buf()), ..LoadOptions::default() };
+    let (folder, model, root) = rooted();
     fs::create_dir(folder.path().join("e")).unwrap();
     fs::copy(&model, folder.path().join("e/f.obj")).unwrap();
     for name in [&b"a\\b.obj"[..], b"e\\f.obj", b"\xFF.obj"] {
