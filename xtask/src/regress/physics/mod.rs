@@ -126,16 +126,7 @@ impl PairUnit {
         let differs = !comparison.problems.is_empty();
         let recorded: BTreeMap<String, Convention> = files::read_json(&context.workspace.root.join(CONVENTIONS))?;
         let recorded = recorded.get(&self.name);
-        match (pair.expect, differs) {
-            (Expect::Agree, _) => findings.problems.clone_from(&comparison.problems),
-            (Expect::Convention, false) => findings.problem("agrees, although a convention makes it differ"),
-            (Expect::Convention | Expect::Known, true) if recorded.is_none() => {
-                findings.problem(format!("differs as expected, but {CONVENTIONS} does not say by how much"));
-            }
-            (Expect::Known, false) => findings.note("agrees by now, although it was known to differ"),
-            (Expect::Known, true) => findings.note("differs, as is known"),
-            (Expect::Convention, true) => {}
-        }
+        judge(pair.expect, &comparison.problems, recorded, findings);
         if differs && pair.expect != Expect::Agree {
             findings.problems.extend(recorded.into_iter().flat_map(|it| it.broken_by(&ours, &reference)));
         }
@@ -153,6 +144,20 @@ impl PairUnit {
         findings.note(row.line());
         findings.pair = Some(row);
         Ok(())
+    }
+}
+
+/// Reports the differences of a pair against what is expected of it. Expected differences need a recorded ratio.
+fn judge(expect: Expect, differences: &[String], recorded: Option<&Convention>, findings: &mut Findings) {
+    match (expect, !differences.is_empty()) {
+        (Expect::Agree, _) => findings.problems = differences.to_vec(),
+        (Expect::Convention, false) => findings.problem("agrees, although a convention makes it differ"),
+        (Expect::Convention | Expect::Known, true) if recorded.is_none() => {
+            findings.problem(format!("differs as expected, but {CONVENTIONS} does not say by how much"));
+        }
+        (Expect::Known, false) => findings.note("agrees by now, although it was known to differ"),
+        (Expect::Known, true) => findings.note("differs, as is known"),
+        (Expect::Convention, true) => {}
     }
 }
 
@@ -294,6 +299,26 @@ mod tests {
         assert_eq!(convention.broken_by(&with_mean(1.03), &with_mean(1.0)).len(), 3);
         assert_eq!(convention.broken_by(&with_mean(1.0), &with_mean(1.0)).len(), 3);
         assert_eq!(convention.broken_by(&with_mean(f64::NAN), &with_mean(1.0)).len(), 3);
+    }
+
+    /// A pair that was known to differ passed without a recorded ratio.
+    #[test]
+    fn expected_differences_without_a_recorded_ratio_fail() {
+        let convention = Convention { ratio: [1.02; 3], within: 0.001 };
+        let differences = ["darker".to_owned()];
+        let passes = |expect, differences: &[String], recorded| {
+            let mut findings = Findings::default();
+            judge(expect, differences, recorded, &mut findings);
+            findings.problems.is_empty()
+        };
+        for expect in [Expect::Known, Expect::Convention] {
+            assert!(passes(expect, &differences, Some(&convention)), "{expect:?}");
+            assert!(!passes(expect, &differences, None), "{expect:?}");
+        }
+        for recorded in [None, Some(&convention)] {
+            assert!(passes(Expect::Agree, &[], recorded) && !passes(Expect::Agree, &differences, recorded));
+            assert!(passes(Expect::Known, &[], recorded) && !passes(Expect::Convention, &[], recorded));
+        }
     }
 
     #[test]
