@@ -11,6 +11,7 @@ use crate::{
     error::TaskError,
     files,
     number::grouped,
+    processor::processor,
     renderer::Renderer,
     statistics::{REPORT, REPORT_PRIMARY, ReportRow, Statistics, measure},
     table::Table,
@@ -51,9 +52,17 @@ pub(crate) fn run(workspace: &Workspace, options: &Table1Options) -> Result<(), 
     print!("{table}");
     if options.write {
         let path = workspace.root.join("docs/REPORT.md");
-        files::replace_block(&path, "table1", &table)?;
+        files::replace_block(&path, "table1", &format!("{}{table}\n", origin(&processor(), &workspace.commit())))?;
     }
     Ok(())
+}
+
+/// Sentence about the origin of the rows of our figures.
+fn origin(processor: &str, commit: &str) -> String {
+    format!(
+        "\nThe rows \"ours\" were written by `cargo xtask table1 --write` on one thread of one {processor}, \
+         at commit {commit}.\n\n"
+    )
 }
 
 /// Wall-clock seconds of the whole program on one thread.
