@@ -1,14 +1,19 @@
 //! A few primitives without a tree: spheres, triangles, planes and bounds are tested with eight rays at once, instances
 //! with whole batches.
 
-use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream, padded_bounds};
+mod entry;
+mod results;
+
+use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
+use self::entry::SetEntry;
+use self::results::SetResults;
 use super::f64x8::{F64x8, PACKET};
 use super::packet::SWITCH_THRESHOLD;
 use super::packet_spheres::SpherePacket;
 use super::query::{Output, PrimitiveTester, Tester, TraversalStats};
-use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
+use super::ray_soa::{RaySoa8, pad_to_packet};
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
 use super::{packet_planes, packet_triangles};
 
@@ -163,46 +168,6 @@ impl SmallSet {
             batch.is_first = false;
         }
         batch.stats.add_to(tester.probe);
-    }
-}
-
-/// A primitive of the set.
-#[derive(Clone, Copy)]
-struct SetEntry {
-    index: u32,
-    /// Instance and primitive of its hits.
-    hit_ids: [u32; 2],
-    casts_shadow: bool,
-    kernel: BatchKernel,
-    /// Padded bounds of an instance, or of a primitive that is intersected ray by ray; `None` if it is unbounded.
-    bounds: Option<Aabb>,
-}
-
-impl SetEntry {
-    const NONE: Self =
-        Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single, bounds: None };
-
-    fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
-        let kernel = primitives.batch_kernel(index);
-        Self {
-            index,
-            hit_ids: primitives.hit_ids(index),
-            casts_shadow: primitives.blocks(index),
-            kernel,
-            bounds: match kernel {
-                BatchKernel::Single | BatchKernel::Instance => padded_bounds(primitives, index),
-                _ => None,
-            },
-        }
-    }
-
-    const fn is_instance(&self) -> bool {
-        matches!(self.kernel, BatchKernel::Instance)
-    }
-
-    /// True if it is intersected with eight rays at once.
-    fn has_kernel(&self) -> bool {
-        !self.is_instance() && (self.bounds.is_some() || self.kernel != BatchKernel::Single)
     }
 }
 
@@ -511,87 +476,6 @@ impl SetQuery for Option<Hit> {
 
 impl SetQuery for bool {
     entry_points!();
-}
-
-/// Results of eight rays, of which some are traced. Bit `i` of a mask is for ray `i`.
-struct SetResults {
-    /// Rays whose result may still change.
-    active: u32,
-    /// Rays with a hit on these entries.
-    hit: u32,
-    /// Rays with a hit on these entries or on earlier ones.
-    found: u32,
-    /// Parameters of the closest hits; infinite without one.
-    t: [f64; PACKET],
-    uv: [[f64; PACKET]; 2],
-    /// Numbers of the hit entries.
-    entries: [u32; PACKET],
-}
-
-impl SetResults {
-    #[inline(always)]
-    const fn new(active: u32) -> Self {
-        Self { active, hit: 0, found: 0, t: [f64::INFINITY; PACKET], uv: [[0.0; PACKET]; 2], entries: [0; PACKET] }
-    }
-
-    /// Writes the closest hits to a stream, from index `at` on.
-    #[inline(always)]
-    fn write(&self, entries: &[SetEntry], hits: &mut HitStream, at: usize) {
-        let (mut instances, mut primitives) = ([0; PACKET], [HitStream::NONE; PACKET]);
-        for (lane, entry) in self.entries.into_iter().enumerate() {
-            if self.hit >> lane & 1 == 1
-                && let Some(entry) = entries.get(entry as usize)
-            {
-                [instances[lane], primitives[lane]] = entry.hit_ids;
-            }
-        }
-        let ([to_u, to_v], [u, v]) = (&mut hits.uv, &self.uv);
-        *hits.t.vector_mut(at) = self.t;
-        *hits.instance.vector_mut(at) = instances;
-        *hits.primitive.vector_mut(at) = primitives;
-        (*to_u.vector_mut(at), *to_v.vector_mut(at)) = (*u, *v);
-    }
-
-    /// Span in which another hit of a ray is closer.
-    #[inline(always)]
-    fn remaining_span<O: Output>(&self, lane: usize, span: Interval) -> Interval {
-        let is_shorter = !O::ANY_HIT && self.found >> lane & 1 == 1;
-        if is_shorter { Interval { max: self.t[lane], ..span } } else { span }
-    }
-
-    /// Accepts a hit that is closer than any before. Entries are tested by rising index, so that ties keep the lower one.
-    #[inline(always)]
-    fn set<O: Output>(&mut self, entry: usize, lane: usize, t: f64, uv: [f64; 2]) {
-        if O::ANY_HIT || self.found >> lane & 1 == 0 || t < self.t[lane] {
-            self.hit |= 1 << lane;
-            self.found |= 1 << lane;
-            (self.t[lane], self.entries[lane]) = (t, entry as u32);
-            (self.uv[0][lane], self.uv[1][lane]) = (uv[0], uv[1]);
-            if O::ANY_HIT {
-                self.active &= !(1 << lane);
-            }
-        }
-    }
-
-    /// Accepts the certain hits of some rays on an entry. Returns the number of those that are not behind another.
-    #[inline(always)]
-    fn accept<S: Simd, O: Output>(&mut self, simd: S, entry: usize, mask: u32, hits: &PacketHit<S>) -> u64 {
-        let mut hit = mask & hits.hit;
-        if O::ANY_HIT {
-            self.hit |= hit;
-            self.active &= !hit;
-            return u64::from(hit.count_ones());
-        }
-        let [v, w] = hits.uv;
-        let (t, v, w) = (hits.t.to_array(simd), v.to_array(simd), w.to_array(simd));
-        let mut accepted = 0;
-        while hit != 0 {
-            let lane = take_lane(&mut hit);
-            accepted += u64::from(self.found >> lane & 1 == 0 || t[lane] <= self.t[lane]);
-            self.set::<O>(entry, lane, t[lane], [v[lane], w[lane]]);
-        }
-        accepted
-    }
 }
 
 impl SmallSet {

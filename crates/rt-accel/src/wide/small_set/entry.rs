@@ -1,0 +1,44 @@
+//! Primitives of a small set.
+
+use rt_geometry::{BatchKernel, Primitives, padded_bounds};
+use rt_math::Aabb;
+
+/// A primitive of the set.
+#[derive(Clone, Copy)]
+pub(super) struct SetEntry {
+    pub(super) index: u32,
+    /// Instance and primitive of its hits.
+    pub(super) hit_ids: [u32; 2],
+    pub(super) casts_shadow: bool,
+    pub(super) kernel: BatchKernel,
+    /// Padded bounds of an instance, or of a primitive that is intersected ray by ray; `None` if it is unbounded.
+    pub(super) bounds: Option<Aabb>,
+}
+
+impl SetEntry {
+    pub(super) const NONE: Self =
+        Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single, bounds: None };
+
+    pub(super) fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
+        let kernel = primitives.batch_kernel(index);
+        Self {
+            index,
+            hit_ids: primitives.hit_ids(index),
+            casts_shadow: primitives.blocks(index),
+            kernel,
+            bounds: match kernel {
+                BatchKernel::Single | BatchKernel::Instance => padded_bounds(primitives, index),
+                _ => None,
+            },
+        }
+    }
+
+    pub(super) const fn is_instance(&self) -> bool {
+        matches!(self.kernel, BatchKernel::Instance)
+    }
+
+    /// True if it is intersected with eight rays at once.
+    pub(super) fn has_kernel(&self) -> bool {
+        !self.is_instance() && (self.bounds.is_some() || self.kernel != BatchKernel::Single)
+    }
+}
