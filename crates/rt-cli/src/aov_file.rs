@@ -9,8 +9,8 @@ use rt_render::{FilmLayers, FirstHitLayer, LayerValues, Rendering};
 use crate::args::{Aov, AovArg, AovContent, LayerList};
 use crate::error::{CliError, usage};
 use crate::image_file;
-use crate::output::OutputFile;
 use crate::output_error::OutputError;
+use crate::output_file::OutputFile;
 
 /// File of `--aov`: either a map, of standard errors or sample counts, or the image and its layers in one OpenEXR file.
 #[derive(Debug)]

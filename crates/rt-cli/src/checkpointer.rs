@@ -9,11 +9,12 @@ use rt_render::{Checkpoint, CheckpointRef, RenderSnapshot, ShardSpec};
 
 use crate::args::{CheckpointArgs, CheckpointInterval};
 use crate::artifact_error::{ArtifactError, ArtifactKind};
+use crate::atomic_write;
 use crate::checkpoint_format::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::identity::Identity;
-use crate::output::{self, OutputFile};
+use crate::output_file::OutputFile;
 use crate::saved_checkpoint::SavedCheckpoint;
 
 /// Checkpointing and sharing of a render.
@@ -157,7 +158,7 @@ impl Checkpointer {
         if cfg!(unix) && self.file.is_file() && !self.is_held() {
             return Err("another render has written this file since this one began".to_owned());
         }
-        let file = output::write_over_link(&self.file, |file| checkpoint_format::write(file, &self.label, kept))?;
+        let file = atomic_write::write_over_link(&self.file, |file| checkpoint_format::write(file, &self.label, kept))?;
         self.held = cfg!(unix).then_some(file);
         Ok(())
     }
@@ -194,7 +195,7 @@ impl Checkpointer {
             return Ok(SavedCheckpoint { file: self.file.clone(), is_elsewhere: false });
         };
         let write = |file: &mut dyn Write| checkpoint_format::write(file, &self.label, kept);
-        let file = output::write_elsewhere(&self.file, fallback_dirs, write).ok_or(reason)?;
+        let file = atomic_write::write_elsewhere(&self.file, fallback_dirs, write).ok_or(reason)?;
         Ok(SavedCheckpoint { file, is_elsewhere: true })
     }
 

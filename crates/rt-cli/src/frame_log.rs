@@ -21,7 +21,7 @@ use crate::artifact_error::ArtifactError;
 use crate::done_frames::{self, DoneFrames, MAX_LOG_BYTES};
 use crate::error::CliError;
 use crate::identity::{Identity, hash_of};
-use crate::output::OutputFile;
+use crate::output_file::OutputFile;
 
 #[derive(Debug)]
 pub(crate) struct FrameLog {
@@ -116,7 +116,7 @@ fn lock(path: &Path) -> Option<File> {
         let file = match created {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 if path.is_symlink() {
-                    crate::output::write_over_link(path, |_| Ok::<_, String>(())).ok()?;
+                    crate::atomic_write::write_over_link(path, |_| Ok::<_, String>(())).ok()?;
                     continue;
                 }
                 match OpenOptions::new().read(true).write(true).open(path) {

@@ -9,7 +9,7 @@ use rt_image::{
 };
 
 use crate::error::{CliError, usage};
-use crate::output::{OutputFile, is_null_device, refuse_terminal};
+use crate::output_file::{OutputFile, is_null_device, refuse_terminal};
 use crate::stdin::{self, is_dash};
 
 /// Maximum side of a JPEG in pixels: its header has 16 bits.

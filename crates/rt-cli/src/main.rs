@@ -27,6 +27,7 @@
 mod aov_file;
 mod args;
 mod artifact_error;
+mod atomic_write;
 mod checkpoint_format;
 mod checkpointer;
 mod commands;
@@ -42,8 +43,8 @@ mod image_file;
 mod input;
 mod job;
 mod memory;
-mod output;
 mod output_error;
+mod output_file;
 mod processor;
 mod progress;
 mod render_observer;

@@ -16,7 +16,7 @@ use crate::args::{CompareArgs, HeatMapOf, Metric};
 use crate::console::{print, show};
 use crate::error::{CliError, usage};
 use crate::image_file;
-use crate::output::OutputFile;
+use crate::output_file::OutputFile;
 use crate::stdin::is_dash;
 
 /// Quantile of the errors at the end of the default color scale. The few larger ones would hide all others.

@@ -9,7 +9,7 @@ use crate::args::{ConvertArgs, InputArgs};
 use crate::console::Console;
 use crate::error::{CliError, usage};
 use crate::input;
-use crate::output::OutputFile;
+use crate::output_file::OutputFile;
 use crate::stdin::is_dash;
 
 pub(super) fn run(args: &ConvertArgs) -> Result<(), CliError> {

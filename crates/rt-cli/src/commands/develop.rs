@@ -8,7 +8,7 @@ use crate::args::DevelopArgs;
 use crate::console::Console;
 use crate::error::{CliError, usage};
 use crate::image_file::ImageInput;
-use crate::output::OutputFile;
+use crate::output_file::OutputFile;
 use crate::{image_file, memory, settings};
 
 pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {

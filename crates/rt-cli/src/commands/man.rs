@@ -9,7 +9,7 @@ use clap_mangen::Man;
 use crate::args::Cli;
 use crate::console::print;
 use crate::error::CliError;
-use crate::output::OutputFile;
+use crate::output_file::OutputFile;
 
 pub(super) fn run(folder: Option<&Path>) -> Result<(), CliError> {
     let mut program = Cli::command();

@@ -12,7 +12,7 @@ use crate::artifact_error::{ArtifactError, ArtifactKind};
 use crate::checkpoint_format::{self, Label};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::output::{OutputFile, fallback_dirs, write_all};
+use crate::output_file::{OutputFile, fallback_dirs, write_all};
 use crate::{image_file, memory, report, settings};
 
 pub(super) fn run(args: &MergeArgs) -> Result<(), CliError> {

@@ -11,7 +11,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::image_file;
 use crate::job::{Job, JobOutput};
-use crate::output::OutputFile;
+use crate::output_file::OutputFile;
 
 const SCENE: &str = include_str!("../../../../scenes/gallery/still_life.ron");
 /// For messages.

@@ -15,8 +15,8 @@ use super::summary::{Precision, Summary, TRUSTED};
 use super::table;
 use crate::args::{ConvergeArgs, ReferenceKind, name_of};
 use crate::error::{CliError, usage};
-use crate::output::OutputFile;
 use crate::output_error::OutputError;
+use crate::output_file::OutputFile;
 use crate::stdin::is_dash;
 
 /// Output directory and files.
