@@ -135,9 +135,9 @@ impl<'a> Chord<'a> {
     fn passes_by(&self) -> bool {
         let (m, d, Torus { radius, tube_radius }) = (self.middle, self.towards, *self.torus);
         // Wider than the tube by more than rounding.
-        let tube = tube_radius * (1.0 + 1.0 / 1024.0) + radius * UNIT_ROUNDOFF * 1024.0;
+        let thickness = tube_radius * (1.0 + 1.0 / 1024.0) + radius * UNIT_ROUNDOFF * 1024.0;
         // Infinite or NaN for a level ray, which stays at its height.
-        let heights = [(-tube - m.y) / d.y, (tube - m.y) / d.y];
+        let heights = [(-thickness - m.y) / d.y, (thickness - m.y) / d.y];
         let (from, to) = (heights[0].min(heights[1]).max(-self.reach), heights[0].max(heights[1]).min(self.reach));
         let nearest = -(m.x * d.x + m.z * d.z) / (d.x * d.x + d.z * d.z);
         let from_axis = |s: f64| {
@@ -145,8 +145,8 @@ impl<'a> Chord<'a> {
             (p.x * p.x + p.z * p.z).sqrt()
         };
         from > to
-            || from_axis(from).max(from_axis(to)) < radius - tube
-            || from_axis(nearest.max(from).min(to)) > radius + tube
+            || from_axis(from).max(from_axis(to)) < radius - thickness
+            || from_axis(nearest.max(from).min(to)) > radius + thickness
     }
 
     fn at(&self, s: f64) -> DVec3 {

@@ -33,6 +33,9 @@ pub struct Layer<'a> {
     pub channels: Vec<(&'a str, Cow<'a, [f32]>)>,
 }
 
+/// Name of a channel, with one value per pixel.
+type NamedChannel<'a> = (String, Cow<'a, [f32]>);
+
 /// Writes an image with layers, and texts such as the name of the program as attributes, to an OpenEXR file.
 ///
 /// # Errors
@@ -49,13 +52,7 @@ pub fn write_layers(
     if count == 0 {
         return Err(refused("it has no pixels".to_owned()));
     }
-    let mut planes: Vec<(String, Cow<'_, [f32]>)> = Vec::new();
-    for (at, name) in ["R", "G", "B"].into_iter().enumerate() {
-        planes.push((name.to_owned(), image.pixels().iter().map(|pixel| pixel[at]).collect()));
-    }
-    if let Some(alpha) = image.alpha() {
-        planes.push(("A".to_owned(), alpha.into()));
-    }
+    let mut planes = planes_of(image);
     for Layer { name, channels: of_layer } in layers {
         for (component, values) in of_layer {
             if values.len() != count {
@@ -64,22 +61,33 @@ pub fn write_layers(
             planes.push((format!("{name}.{component}"), Cow::Borrowed(values)));
         }
     }
-    // A file has its channels in this order.
-    planes.sort_by(|a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
-    let mut bytes = Vec::new();
-    encode(&mut bytes, [image.width(), image.height()], &planes, attributes)
-        .map_err(|error| refused(error.to_string()))?;
-    sort_attributes(&mut bytes);
+    let bytes = encode([image.width(), image.height()], planes, attributes);
+    let bytes = bytes.map_err(|error| refused(error.to_string()))?;
     writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(ImageFileError::Write)
 }
 
-/// Appends a file with these channels, in the order of their names.
+/// Bytes of a file of this image alone.
+pub(crate) fn encode_image(image: &Image) -> exr::error::Result<Vec<u8>> {
+    encode([image.width(), image.height()], planes_of(image), &[])
+}
+
+/// Channels of an image.
+fn planes_of(image: &Image) -> Vec<NamedChannel<'_>> {
+    let color = |at: usize| image.pixels().iter().map(|pixel| pixel[at]).collect();
+    let mut planes: Vec<NamedChannel<'_>> =
+        ["R", "G", "B"].iter().enumerate().map(|(at, name)| ((*name).to_owned(), color(at))).collect();
+    planes.extend(image.alpha().map(|alpha| ("A".to_owned(), alpha.into())));
+    planes
+}
+
+/// Bytes of a file with these channels.
 fn encode(
-    bytes: &mut Vec<u8>,
     [width, height]: [u32; 2],
-    planes: &[(String, Cow<'_, [f32]>)],
+    mut planes: Vec<NamedChannel<'_>>,
     attributes: &[(&str, String)],
-) -> exr::error::UnitResult {
+) -> exr::error::Result<Vec<u8>> {
+    // A file has its channels in this order.
+    planes.sort_by(|a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
     let mut described = LayerAttributes::default();
     for (name, value) in attributes {
         described.other.insert(text(name), AttributeValue::Text(text(value)));
@@ -89,22 +97,25 @@ fn encode(
     let header = Header::new(Text::default(), Vec2(width as usize, height as usize), channels)
         .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(described);
-    write_chunks_with(Cursor::new(bytes), SmallVec::from_iter([header]), true, |_, writer| {
+    let mut bytes = Vec::new();
+    write_chunks_with(Cursor::new(&mut bytes), SmallVec::from_iter([header]), true, |_, writer| {
         for (index, first) in (0..height as usize).step_by(BLOCK_LINES).enumerate() {
             let lines = first..(first + BLOCK_LINES).min(height as usize);
-            let compressed_pixels = compress_lines(planes, width as usize, lines);
+            let compressed_pixels = compress_lines(&planes, width as usize, lines);
             let block = CompressedScanLineBlock { y_coordinate: first as i32, compressed_pixels };
             writer.write_chunk(index, Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) })?;
         }
         Ok(())
-    })
+    })?;
+    sort_attributes(&mut bytes);
+    Ok(bytes)
 }
 
 /// Some lines of all channels, line by line and channel by channel, in OpenEXR's ZIP compression.
 ///
 /// Even bytes come before odd ones. Each byte is stored as its difference to the one before, plus 128. What that makes no smaller is
 /// stored as it is. (Kainz, Bogart, Stanczyk, Hillman, "Technical Introduction to OpenEXR", "File Layout".)
-fn compress_lines(planes: &[(String, Cow<'_, [f32]>)], width: usize, lines: Range<usize>) -> Vec<u8> {
+fn compress_lines(planes: &[NamedChannel<'_>], width: usize, lines: Range<usize>) -> Vec<u8> {
     let rows = lines.flat_map(|y| planes.iter().map(move |(_, plane)| &plane[y * width..][..width]));
     let values: Vec<[u8; 4]> = rows.flatten().map(|value| value.to_le_bytes()).collect();
     let mut bytes = vec![0; 4 * values.len()];

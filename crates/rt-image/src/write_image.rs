@@ -1,15 +1,14 @@
 //! Images to files.
 
-use std::io::{Cursor, Write};
+use std::io::Write;
 
-use exr::prelude::{Encoding, Image as ExrImage, LineOrder, SpecificChannels, Vec2, WritableImage as _};
 use image::{
     ExtendedColorType, ImageEncoder, ImageError,
     codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder},
     error::{EncodingError, ParameterError, ParameterErrorKind},
 };
 
-use crate::{Development, Image, ImageFileError, ImageFormat, pfm};
+use crate::{Development, Image, ImageFileError, ImageFormat, exr_layers::encode_image, pfm};
 
 /// Quality of JPEG files, out of 100: no visible blocks.
 const JPEG_QUALITY: u8 = 95;
@@ -53,9 +52,8 @@ fn encode(image: &Image, development: &Development, format: ImageFormat) -> Resu
             encoder.write_image(&bitmap.bytes, width, height, ExtendedColorType::Rgb8)?;
         }
         ImageFormat::Exr => {
-            let written = write_exr(image, &mut bytes);
             let format = image::ImageFormat::OpenExr.into();
-            written.map_err(|error| ImageError::Encoding(EncodingError::new(format, error)))?;
+            bytes = encode_image(image).map_err(|error| ImageError::Encoding(EncodingError::new(format, error)))?;
         }
         ImageFormat::Hdr => {
             let pixels: Vec<_> = image.pixels().iter().map(|&value| image::Rgb(representable_in_rgbe(value))).collect();
@@ -64,25 +62,6 @@ fn encode(image: &Image, development: &Development, format: ImageFormat) -> Resu
         ImageFormat::Pfm => pfm::write(image, &mut bytes)?,
     }
     Ok(bytes)
-}
-
-/// Writes radiance and, if the image has it, coverage.
-///
-/// The encoder of the `image` crate leaves the order of blocks open, and then it depends on threads.
-fn write_exr(image: &Image, bytes: &mut Vec<u8>) -> exr::error::UnitResult {
-    let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
-    let size = Vec2(image.width() as usize, image.height() as usize);
-    let at = |Vec2(x, y): Vec2<usize>| y * size.0 + x;
-    let rgb = |place| image.pixels()[at(place)].into();
-    let to = Cursor::new(bytes);
-    if let Some(alpha) = image.alpha() {
-        let rgba = |place| {
-            let (r, g, b) = rgb(place);
-            (r, g, b, alpha[at(place)])
-        };
-        return ExrImage::from_encoded_channels(size, encoding, SpecificChannels::rgba(rgba)).write().to_buffered(to);
-    }
-    ExrImage::from_encoded_channels(size, encoding, SpecificChannels::rgb(rgb)).write().to_buffered(to)
 }
 
 /// The nearest radiance that three bytes with a shared exponent represent. The encoder rounds others down, by 0.3 % on average, and

@@ -126,7 +126,7 @@ impl PairUnit {
         let differs = !comparison.problems.is_empty();
         let recorded: BTreeMap<String, Convention> = files::read_json(&context.workspace.root.join(CONVENTIONS))?;
         let recorded = recorded.get(&self.name);
-        judge(pair.expect, &comparison.problems, recorded, findings);
+        classify(pair.expect, &comparison.problems, recorded, findings);
         if differs && pair.expect != Expect::Agree {
             findings.problems.extend(recorded.into_iter().flat_map(|it| it.broken_by(&ours, &reference)));
         }
@@ -148,7 +148,7 @@ impl PairUnit {
 }
 
 /// Reports the differences of a pair against what is expected of it. Expected differences need a recorded ratio.
-fn judge(expect: Expect, differences: &[String], recorded: Option<&Convention>, findings: &mut Findings) {
+fn classify(expect: Expect, differences: &[String], recorded: Option<&Convention>, findings: &mut Findings) {
     match (expect, !differences.is_empty()) {
         (Expect::Agree, _) => findings.problems = differences.to_vec(),
         (Expect::Convention, false) => findings.problem("agrees, although a convention makes it differ"),
@@ -308,7 +308,7 @@ mod tests {
         let differences = ["darker".to_owned()];
         let passes = |expect, differences: &[String], recorded| {
             let mut findings = Findings::default();
-            judge(expect, differences, recorded, &mut findings);
+            classify(expect, differences, recorded, &mut findings);
             findings.problems.is_empty()
         };
         for expect in [Expect::Known, Expect::Convention] {
