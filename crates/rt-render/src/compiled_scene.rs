@@ -146,5 +146,7 @@ fn features(scene: &Scene, top: &Aggregate, levels: &BottomLevel, used: &[bool])
         shading_normals |= !mesh.data().normals.is_empty();
     }
     let features = ShadingFeatures::of(&scene.appearance, |material| used[material]);
+    // Media dim shadow rays, too.
+    casts_shadow |= scene.appearance.has_shadow_media(&features);
     ShadingFeatures { shadows: features.shadows && casts_shadow, shading_normals, ..features }
 }

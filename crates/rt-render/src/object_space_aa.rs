@@ -25,7 +25,7 @@ use rt_accel::{Accelerator as _, AnyAccelerator};
 use rt_camera::ViewVolume;
 use rt_geometry::{Hit, Primitives as _, padded_bounds};
 use rt_math::{Interval, Ray};
-use rt_shading::{Background, ShadingFeatures};
+use rt_shading::{Background, Material};
 
 use patch::SurfacePatch;
 use shaft::{LightShaft, Occlusion};
@@ -231,16 +231,14 @@ impl PixelClassifier<'_> {
         if phong.diffuse.is_zero() && phong.specular.is_zero() {
             return true;
         }
-        if appearance.has_shadow_media(&ShadingFeatures::ALL) {
-            // Light is dimmed unevenly, where it is not blocked.
-            return false;
-        }
+        let dims = |material: u32| appearance.materials.get(material as usize).is_some_and(Material::dims_shadow_rays);
         let mut reaching = appearance.lights.iter().filter(|light| !patch.turns_away_from(light));
         // Test shafts last: they cost most, and most blocks that are too large fail before.
         reaching.clone().all(|light| patch.is_even_under(light, phong))
             && reaching.all(|light| {
                 let shaft = LightShaft::new(patch, light);
-                !light.casts_shadows || shaft.blocked(self.world, self.structure, patch.index) != Occlusion::Somewhere
+                !light.casts_shadows
+                    || shaft.blocked(self.world, self.structure, (patch.index, &dims)) != Occlusion::Somewhere
             })
     }
 }

@@ -8,6 +8,7 @@
 //! Both densities are per unit solid angle. The weights of a direction sum to 1. Delta lights and specular lobes are found by
 //! one technique only; their weight is 1.
 
+use crate::SurfaceHit;
 use rt_math::Real;
 
 /// MIS weight by the power heuristic with exponent 2, of a direction sampled with density `pdf`; `other_pdf` is the density of
@@ -22,10 +23,10 @@ pub(crate) fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
 /// Density of a sampled direction that light sampling cannot find: so large that its MIS weight is 1.
 pub(crate) const PDF_OF_WEIGHT_ONE: f64 = f32::MAX as f64;
 
-/// Density with which a BSDF has sampled a direction, for the lights that a path finds behind a null interface. Light sampling competes
-/// only if the interface is lit through: if shadow rays do not end there. The density of a delta lobe stays 0.
-pub(crate) fn pdf_behind(is_lit_through: bool, pdf: f64) -> f64 {
-    if is_lit_through || pdf == 0.0 { pdf } else { PDF_OF_WEIGHT_ONE }
+/// Density with which a BSDF has sampled a direction, for the lights that a path finds behind a null interface. Shadow rays end at the
+/// interface, unless its object casts no shadow. Light sampling then does not compete. The density of a delta lobe stays 0.
+pub(crate) fn pdf_behind(interface: &SurfaceHit, pdf: f64) -> f64 {
+    if interface.casts_shadow && pdf > 0.0 { PDF_OF_WEIGHT_ONE } else { pdf }
 }
 
 #[cfg(test)]

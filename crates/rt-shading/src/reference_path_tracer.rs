@@ -19,8 +19,8 @@
 //! media of a surface), and then the waves: `path.rs`, `path/shade.rs`.
 
 use crate::{
-    InteriorList, Lighting, PathSettings, RadianceSample, SceneQueries, ShadingCounts, ShadingFeatures, SurfaceHit,
-    Transport,
+    Appearance, InteriorList, Lighting, PathSettings, RadianceSample, SceneQueries, ShadingCounts, ShadingFeatures,
+    SurfaceHit, Transport,
     bsdf::Scattering,
     hit_context::HitContext,
     interior_list::MediumInterface,
@@ -29,7 +29,7 @@ use crate::{
     path::PrevVertex,
     ray_kind::kind_of,
     russian_roulette::russian_roulette,
-    shadow_media::{self, ShadowMedia},
+    shadow_media::ShadowMedia,
     vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
 };
@@ -104,7 +104,7 @@ impl ReferencePathTracer<'_> {
                     return path.seen;
                 }
                 if let Some(prev) = &mut path.prev {
-                    prev.pdf = pdf_behind(shadow_media::is_passed(materials, &hit, interface), prev.pdf);
+                    prev.pdf = pdf_behind(&hit, prev.pdf);
                 }
                 (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
                 continue;
@@ -227,16 +227,14 @@ impl ReferencePathTracer<'_> {
 
     /// Part of the light that arrives along a shadow ray, which starts in these media: 0 if something occludes it.
     fn transmittance(&mut self, world: &mut dyn SceneQueries, (ray, span): (Ray, Interval), media: ShadowMedia) -> Rgb {
-        let appearance = self.lighting.appearance;
-        if appearance.has_shadow_media(&ShadingFeatures::ALL) {
-            let scene = (&ShadingFeatures::ALL, appearance.materials.as_slice());
-            return media.follow(world, scene, (&ray, span), &mut self.counts);
-        }
-        // One medium fills the whole ray.
+        let Appearance { materials, .. } = self.lighting.appearance;
         if world.occluded(&ray, span) {
             Rgb::BLACK
+        } else if self.lighting.appearance.has_shadow_media(&ShadingFeatures::ALL) {
+            media.follow(world, (&ShadingFeatures::ALL, materials), (&ray, span), &mut self.counts)
         } else {
-            media.transmittance_to_light(&appearance.materials, &ray, span)
+            // One medium fills the whole ray.
+            media.transmittance_to(materials, &ray, ShadowMedia::span(span).max)
         }
     }
 
@@ -252,7 +250,8 @@ impl ReferencePathTracer<'_> {
             let t = behind.as_ref().map_or(f64::INFINITY, |hit| hit.t);
             let emitted = from.light_behind(&self.lighting, ray.direction, hit.object, behind.as_ref());
             radiance += emitted * media.transmittance_to(materials, ray, t);
-            rest = behind.and_then(|hit| media.pass((features, materials), (ray, span), &hit, &mut self.counts));
+            let passed = behind.filter(|hit| !hit.casts_shadow);
+            rest = passed.and_then(|hit| media.pass((features, materials), (ray, span), &hit, &mut self.counts));
         }
         self.add(path.throughput * radiance, path.bounces, path);
     }

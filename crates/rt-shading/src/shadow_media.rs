@@ -4,33 +4,34 @@
 //!   surface ●───────│░░░ absorbs ░░░│─────── □ light        light · exp(−absorption · length)
 //! ```
 //!
-//! Light passes the surface of such a medium straight. So shadow rays pass it as well, wherever air or such media are on both sides.
+//! Light passes the surface of such a medium straight, and so do shadow rays. If nothing occludes them, the media on their way are found by
+//! closest hits.
 
 use crate::{
     Appearance, InteriorList, Material, SceneQueries, ShadingCounts, ShadingFeatures, SurfaceHit,
-    hit_context::HitContext, interior_list::MediumInterface, medium_tracker::MediumTracker,
+    hit_context::HitContext, medium_tracker::MediumTracker,
 };
 use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
 
 impl Appearance {
-    /// True if shadow rays pass the surface of a medium that absorbs, with these features.
+    /// True if a medium that shadow rays pass absorbs, with these features.
     pub fn has_shadow_media(&self, features: &ShadingFeatures) -> bool {
-        let is_needed = features.refraction && features.absorption;
-        is_needed && self.materials.iter().any(passes_shadow_rays)
+        features.refraction && features.absorption && self.materials.iter().any(Material::dims_shadow_rays)
     }
 }
 
-/// True if shadow rays pass the surface of an object of this material in air. Objects of air cast no shadow anyway.
-fn passes_shadow_rays(material: &Material) -> bool {
-    let is_smoke = material.interior.is_some_and(|interior| interior.ior == 1.0 && !interior.is_air());
-    is_smoke && material.is_clear()
-}
+impl Material {
+    /// True if the surface is invisible in air. Such objects must cast no shadow ([`SurfaceHit::casts_shadow`]).
+    pub fn passes_shadow_rays(&self) -> bool {
+        self.is_air() || self.dims_shadow_rays()
+    }
 
-/// True if shadow rays pass an invisible surface with media on both sides.
-pub(crate) fn is_passed(materials: &[Material], hit: &SurfaceHit, interface: Option<&MediumInterface>) -> bool {
-    let is_in_air = interface.is_some_and(|it| it.before.ior == 1.0 && it.after.ior == 1.0);
-    !hit.casts_shadow || is_in_air && materials.get(hit.material as usize).is_some_and(passes_shadow_rays)
+    /// True for such a surface of a medium that absorbs.
+    pub fn dims_shadow_rays(&self) -> bool {
+        let is_dim = self.interior.is_some_and(|interior| interior.ior == 1.0 && !interior.is_air());
+        is_dim && self.is_clear()
+    }
 }
 
 /// Media along a shadow ray, and what they transmit.
@@ -51,7 +52,8 @@ impl ShadowMedia {
         Self { media: MediumTracker::new(interior), transmittance: Rgb::WHITE }
     }
 
-    /// Passes the closest hit of the ray within a span. Returns the rest of the span; `None` if the surface ends the ray.
+    /// Passes the closest hit of a ray that nothing occludes. Returns the rest of the span; `None` if the surface occludes it after all:
+    /// that of such a medium within glass.
     pub(crate) fn pass(
         &mut self,
         (features, materials): (&ShadingFeatures, &[Material]),
@@ -62,16 +64,14 @@ impl ShadowMedia {
         let behind = hit.span_after(ray);
         let rest = Interval { min: behind.min, max: behind.max.min(span.max) };
         let context = HitContext::new(features, materials, ray, hit);
-        let Some(context) = context.filter(|it| hit.casts_shadow || it.material.is_air()) else {
-            return (!hit.casts_shadow).then_some(rest);
-        };
+        let Some(context) = context.filter(|context| context.material.passes_shadow_rays()) else { return Some(rest) };
         let interface = context.interface(&mut self.media.interior, materials, hit.body());
         let interface = interface.as_ref();
-        if hit.casts_shadow && (context.is_visible(interface) || !is_passed(materials, hit, interface)) {
+        if context.is_visible(interface) {
             return None;
         }
         self.media.skip_interface(interface, hit, context.length, &mut self.transmittance, counts);
-        (!self.media.null_limit_exceeded()).then_some(rest)
+        Some(rest)
     }
 
     /// Transmittance up to this parameter of the ray. The last medium of a ray to infinity does not absorb: its end is unknown.
@@ -83,26 +83,25 @@ impl ShadowMedia {
         transmittance
     }
 
-    /// Transmittance up to the light, to which a ray of this span leads.
-    pub(crate) fn transmittance_to_light(&self, materials: &[Material], ray: &Ray, span: Interval) -> Rgb {
-        // The span may end before the light, which is at parameter 1.
-        let t = if span.max.is_finite() { Interval::SEGMENT.max } else { span.max };
-        self.transmittance_to(materials, ray, t)
+    /// Span of a shadow ray up to the light, at parameter 1 or infinity. Objects near the light may be excluded from its own span.
+    pub(crate) fn span(span: Interval) -> Interval {
+        if span.max.is_finite() { Interval { max: Interval::SEGMENT.max, ..span } } else { span }
     }
 
-    /// Follows a ray, one hit after the other. Returns its transmittance; black if something occludes it.
+    /// Follows a ray that nothing occludes, one hit after the other. Returns its transmittance.
     pub(crate) fn follow(
         mut self,
         world: &mut dyn SceneQueries,
         scene: (&ShadingFeatures, &[Material]),
-        (ray, mut span): (&Ray, Interval),
+        (ray, span): (&Ray, Interval),
         counts: &mut ShadingCounts,
     ) -> Rgb {
+        let mut span = Self::span(span);
         while let Some(hit) = world.closest(ray, span, RayKind::Shadow, scene.0.surface()) {
             let Some(rest) = self.pass(scene, (ray, span), &hit, counts) else { return Rgb::BLACK };
             span = rest;
         }
-        self.transmittance_to_light(scene.1, ray, span)
+        self.transmittance_to(scene.1, ray, span.max)
     }
 }
 
@@ -153,7 +152,9 @@ mod tests {
         };
         let floor = (Shape::Plane(Plane::new(DVec3::ZERO, DVec3::Y).expect("a plane")), 0, None);
         let shapes = slabs.iter().map(slab).chain([floor]).collect();
-        let mut world = ShapeList { shapes, ..ShapeList::default() };
+        let passed = |at: &u32| appearance.materials[*at as usize].passes_shadow_rays();
+        let shadowless = (0..appearance.materials.len() as u32).filter(passed).collect();
+        let mut world = ShapeList { shapes, shadowless, ..ShapeList::default() };
         let ray = Ray::new(DVec3::Y * 0.01, DVec3::NEG_Y);
         let mut surroundings = InteriorList::default();
         surroundings.find_enclosing_media(&mut world, &appearance.materials, &ray);
@@ -183,7 +184,7 @@ mod tests {
         let smoke = [solid(1.0, 0.5, 0), solid(1.0, 2.0, 1), solid(1.5, 0.0, 0), solid(1.5, 0.1, 9)];
         let sun = DeltaLightKind::Directional { direction: DVec3::NEG_Y };
         let thick = 0.5;
-        let cases: [(&[Slab], _, f64); 9] = [
+        let cases: [(&[Slab], _, f64); 10] = [
             (&[], bulb(4.0), 0.0),
             (&[(1.0, 2.0, 1)], bulb(4.0), thick),
             (&[(1.0, 2.0, 1)], sun, thick),
@@ -195,6 +196,8 @@ mod tests {
             (&[(1.0, 2.0, 1), (1.5, 3.0, 2)], bulb(4.0), 0.25 + 3.0),
             (&[(1.0, 2.0, 1), (1.5, 3.0, 1)], bulb(4.0), 1.0),
             (&[(1.0, 2.0, 1), (1.2, 1.5, 2), (2.5, 3.0, 1)], sun, 0.35 + 0.6 + 0.25),
+            // Everything is in glass, which counts where both overlap.
+            (&[(-1.0, 6.0, 4), (1.0, 2.0, 1)], bulb(4.0), 0.401),
         ];
         for (slabs, light, depth) in cases {
             let seen = floor_under(slabs, &smoke, light);

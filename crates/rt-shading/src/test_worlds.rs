@@ -15,6 +15,8 @@ pub(crate) struct ShapeList {
     pub(crate) shading_normal: Option<Box<ShadingNormal>>,
     /// Rays so far, if they are recorded.
     pub(crate) rays: Option<Vec<Ray>>,
+    /// Materials of objects that cast no shadow.
+    pub(crate) shadowless: Vec<u32>,
 }
 
 impl SceneQueries for ShapeList {
@@ -25,6 +27,7 @@ impl SceneQueries for ShapeList {
         let (object, hit) = hits.min_by(|a, b| a.1.t.total_cmp(&b.1.t))?;
         let (shape, material, light) = &self.shapes[object];
         let mut surface = SurfaceHit::new(hit.t, shape.surface(ray, &hit, needs), object as u32, *material);
+        surface.casts_shadow = !self.shadowless.contains(material);
         surface.light = light.map(|index| LightId { index, triangle: None });
         if let Some(shading_normal) = &self.shading_normal {
             surface.interaction.shading_normal = shading_normal(&surface);
@@ -33,7 +36,9 @@ impl SceneQueries for ShapeList {
     }
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
-        self.shapes.iter().any(|(shape, ..)| shape.intersect(ray, span).is_some())
+        let shadowless = &self.shadowless;
+        let casters = self.shapes.iter().filter(|(_, material, _)| !shadowless.contains(material));
+        casters.into_iter().any(|(shape, ..)| shape.intersect(ray, span).is_some())
     }
 }
 

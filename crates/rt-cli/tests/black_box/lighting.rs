@@ -285,6 +285,37 @@ fn suns_shine_through_smoke() {
     }
 }
 
+/// The first object of coincident faces is hit. A wall behind it still casts its shadow, and each of many overlapping clouds lets light pass.
+#[test]
+fn smoke_hides_no_wall_and_any_number_of_clouds_dims() {
+    let place = Workplace::new();
+    let scene = |clouds: &str, walls: &str| {
+        format!(
+            r#"(
+                camera: (look_from: (0, 0.5, 0), look_at: (0, 0, 0), up: (0, 0, -1), orthographic: 0.01),
+                background: constant(0),
+                lights: [directional(direction: (0, -1, 0), intensity: 1)],
+                materials: {{"smoke": glass(ior: 1, absorption: 0.5), "floor": diffuse(albedo: 1)}},
+                nodes: [{clouds} (shape: plane(), material: "floor"), {walls}],
+            )"#
+        )
+    };
+    let slab = r#"(shape: box(min: (-5, 1, -5), max: (5, 2, 5)), material: "smoke"),"#;
+    let wall = r#"(shape: box(min: (-5, 2, -5), max: (5, 2.5, 5)), material: "floor")"#;
+    let cloud =
+        |at: u32| format!("(shape: sphere(center: (0, 2, 0), radius: 1), material: \"smoke\", name: \"{at}\"),");
+    let clouds: String = (0..100).map(cloud).collect();
+    let passed = rt_math::transcendental::exp(-1.0);
+    for (text, expected) in [(scene(slab, wall), 0.0), (scene(&clouds, ""), passed)] {
+        place.write("smoke.ron", text);
+        for integrator in ["whitted", "path", "direct", "path-caustics", "path-reference"] {
+            let options = "--size 2x2 --spp 1 --max-depth 0";
+            let seen = mean(&place, &format!("smoke.ron --integrator {integrator} {options}")).g;
+            assert!((seen - expected).abs() < 1e-4, "{integrator}: {seen}, not {expected}");
+        }
+    }
+}
+
 #[test]
 fn layered_materials_are_lit_once_under_distributed() {
     let place = Workplace::with("floor.gltf", unlit_floor(WHITE));

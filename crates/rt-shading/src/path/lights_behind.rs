@@ -62,7 +62,9 @@ impl<E: Element> SpawnedPaths<E> {
                         seen[behind.sample as usize].radiance +=
                             inputs.settings.clamp.apply(bounces, radiance, &mut self.counts);
                     }
-                    let rest = hit.and_then(|hit| media.pass(inputs.scene(), (ray, *span), &hit, &mut self.counts));
+                    let behind_hit = hit.filter(|hit| !hit.casts_shadow);
+                    let rest =
+                        behind_hit.and_then(|hit| media.pass(inputs.scene(), (ray, *span), &hit, &mut self.counts));
                     if let Some(rest) = rest {
                         *span = rest;
                         self.behind.push(behind.clone());

@@ -15,7 +15,6 @@ use crate::{
     light::LightId,
     mis::{pdf_behind, power_heuristic},
     russian_roulette::russian_roulette,
-    shadow_media,
     vertex::{Vertex, bsdf_at},
     viewed_surface::ViewedSurface,
 };
@@ -174,8 +173,7 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let (ray, _) = wave.paths.rays.get(at);
         let record = wave.paths.get(at);
-        let is_lit_through = shadow_media::is_passed(&inputs.lighting.appearance.materials, hit, interface);
-        let pdf = pdf_behind(is_lit_through, record.pdf);
+        let pdf = pdf_behind(hit, record.pdf);
         self.passing.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
     }
 

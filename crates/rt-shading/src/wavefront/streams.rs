@@ -116,14 +116,15 @@ impl<E: Element> ShadowRayStream<E> {
         interior: impl Fn(u32) -> &'a InteriorList,
         counts: &mut ShadingCounts,
     ) {
+        self.trace(world);
         let mut own = self.interiors.drain(..).peekable();
         let start = |at: usize| {
             let own = own.next_if(|(index, _)| *index == at).map(|(_, interior)| interior);
             let media = ShadowMedia::new(own.unwrap_or_else(|| interior(self.sample.get(at)).clone()));
             let (ray, span) = self.rays.get(at);
-            (at, ray, span, media)
+            (at, ray, ShadowMedia::span(span), media)
         };
-        let mut waiting: Vec<_> = (0..self.rays.len()).map(start).collect();
+        let mut waiting: Vec<_> = (0..self.rays.len()).map(start).filter(|(at, ..)| !self.blocked[*at]).collect();
         let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
         while !waiting.is_empty() {
             rays.clear();
@@ -137,7 +138,7 @@ impl<E: Element> ShadowRayStream<E> {
                 if let Some(rest) = rest {
                     *span = rest;
                 } else if !self.blocked[*at] {
-                    let transmittance = media.transmittance_to_light(scene.1, ray, *span);
+                    let transmittance = media.transmittance_to(scene.1, ray, span.max);
                     for (radiance, factor) in self.radiance.iter_mut().zip(transmittance.to_array()) {
                         radiance.set(*at, E::rounded(radiance.get(*at).into() * factor));
                     }

@@ -24,7 +24,7 @@ fn towards_wall(wo: DVec3) -> Ray {
 /// The shapes of a scene, of which the first has a shading normal that is not its own.
 fn tilted(scene: &Scene, normal: DVec3) -> ShapeList {
     let normal_of = move |hit: &SurfaceHit| if hit.object == 0 { normal } else { hit.interaction.shading_normal };
-    ShapeList { shapes: scene.world.shapes.clone(), shading_normal: Some(Box::new(normal_of)), rays: None }
+    ShapeList { shapes: scene.world.shapes.clone(), shading_normal: Some(Box::new(normal_of)), ..ShapeList::default() }
 }
 
 /// Mean and standard error of the green channel at a point of a wall, seen from the unit direction `wo`.

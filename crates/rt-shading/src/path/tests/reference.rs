@@ -135,6 +135,7 @@ fn smoky_exhibition() -> Scene {
     let smoke = |absorption: Rgb, priority| solid(clear.clone(), InteriorMedium { ior: 1.0, absorption, priority });
     let first = scene.appearance.materials.len() as u32;
     scene.appearance.materials.extend([smoke(Rgb::new(0.3, 0.2, 0.4), 0), smoke(Rgb::new(0.1, 0.9, 0.2), 2)]);
+    scene.world.shadowless = vec![first, first + 1];
     for (center, radius, material) in [([-1.5, 1.0, 0.6], 1.1, 0), ([0.0, 3.0, 0.3], 1.3, 1), ([1.6, 0.7, 0.6], 1.2, 1)]
     {
         scene = scene.with(sphere_at(center, radius), first + material, None);

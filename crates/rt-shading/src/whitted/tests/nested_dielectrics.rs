@@ -14,7 +14,7 @@ use rt_math::{
 /// World of shapes with materials that records rays.
 fn world_of(shapes: &[(Shape, u32)]) -> ShapeList {
     let shapes = shapes.iter().map(|(shape, material)| (shape.clone(), *material, None)).collect();
-    ShapeList { shapes, shading_normal: None, rays: Some(Vec::new()) }
+    ShapeList { shapes, rays: Some(Vec::new()), ..ShapeList::default() }
 }
 
 fn sphere(x: f64, y: f64, z: f64, radius: f64) -> Shape {
