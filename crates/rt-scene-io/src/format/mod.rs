@@ -14,6 +14,7 @@ mod expected;
 mod film;
 mod light;
 mod material;
+mod named_fields;
 mod node;
 mod parse;
 mod parse_error;

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use serde::Deserialize;
+
 use super::expected::Notation;
+use super::named_fields::NamedFields;
 use super::parse_error::{Explainer, ParseError};
 use super::ron_options::ron_options;
 use super::{SceneFile, deprecated};
@@ -25,13 +28,20 @@ pub fn parse_ron(text: &str, name: &Path) -> Result<SceneFile, LoadError> {
 /// # Errors
 /// Errors of [`parse_ron`].
 pub fn parse_json(text: &str, name: &Path) -> Result<SceneFile, LoadError> {
-    let file = serde_json::from_str(text).map_err(|error| {
+    let file = scene_of_json(text).map_err(|error| {
         let message = error.to_string();
         // The location is reported apart from the message.
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
         located(text, name, Explainer::new(text, Notation::Json).json(message, error.line(), error.column()))
     })?;
     Ok(with_warnings(file, text, name))
+}
+
+fn scene_of_json(text: &str) -> serde_json::Result<SceneFile> {
+    let mut reader = serde_json::Deserializer::from_str(text);
+    let file = SceneFile::deserialize(NamedFields(&mut reader))?;
+    reader.end()?;
+    Ok(file)
 }
 
 fn with_warnings(file: SceneFile, text: &str, name: &Path) -> SceneFile {

@@ -123,6 +123,12 @@ impl<'t> Explainer<'t> {
         } else if message.contains("unit variant, expected") {
             // The parser reports it after the object around the value.
             self.wrong_value(Cursor::before(self.text, at.saturating_sub(1)).last(), at)
+        } else if (starts("invalid type: map") || starts("invalid type: sequence"))
+            && let Some(start) = next(self.text, at).filter(|start| self.text[*start..].starts_with(['{', '[']))
+        {
+            // The parser reports the bracket that it has not read yet.
+            let value = TextValue { range: start..value_end(self.text, start), path: cursor.path() };
+            self.wrong_value(Some(value), start)
         } else if message == NO_SPELLING || starts("invalid type") || starts("invalid value") {
             let value = match cursor.last_token {
                 TokenClass::Open => cursor.group(self.text),

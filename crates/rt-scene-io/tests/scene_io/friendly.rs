@@ -199,6 +199,30 @@ const MISTAKES: &[(&str, &str)] = &[
     (r#"{"nodes": [{"shape": }]}"#, "expected a value"),
 ];
 
+/// Messages of JSON scenes with an array in place of an object. Its order of fields was that of the source.
+#[test]
+fn arrays_in_place_of_objects_are_refused() {
+    for (text, field) in [
+        (r#"{"nodes": [{"shape": {"sphere": [[5, 0, 0], 2]}}]}"#, "for `sphere`, found [[5, 0, 0], 2]"),
+        (r#"{"nodes": [{"shape": {"box": [[0, 0, 0], [1, 1, 1]]}}]}"#, "for `box`, found [[0, 0, 0], [1, 1, 1]]"),
+        (r#"{"nodes": [["a"]]}"#, "for `nodes`, found [\"a\"]"),
+        (r#"{"nodes": [[]]}"#, "for `nodes`, found []"),
+        (r#"{"nodes": [], "film": [[16, 10]]}"#, "for `film`, found [[16, 10]]"),
+        (r#"{"nodes": [], "settings": ["path"]}"#, "for `settings`, found [\"path\"]"),
+        (r#"{"nodes": [], "camera": ["cam", [0, 1, 5]]}"#, "for `camera`, found [\"cam\", [0, 1, 5]]"),
+        (r#"{"nodes": [], "materials": {"m": {"diffuse": [0.5]}}}"#, "for `diffuse`, found [0.5]"),
+        (r#"{"nodes": [{"material": {"diffuse": [0.5]}}]}"#, "for `diffuse`, found [0.5]"),
+        (r#"{"nodes": [{"material": {"diffuse": {"albedo": {"checker": [1, 0]}}}}]}"#, "for `checker`, found [1, 0]"),
+        (r#"{"nodes": [{"transform": [{"rotate": [[0, 1, 0], 5]}]}]}"#, "for `rotate`, found [[0, 1, 0], 5]"),
+    ] {
+        let said = said(text);
+        let expected = format!("expected fields in braces: {{\"name\": value, ...}} {field}");
+        assert!(said.contains(&expected), "{text}\n{said}");
+    }
+    let error = parse_json(r#"[null, "name"]"#, Path::new("scene.json")).expect_err("an array").to_string();
+    assert!(error.contains("expected a scene, which begins with `{`"), "{error}");
+}
+
 /// Words of Rust and of the libraries behind the parser.
 const FOREIGN: [&str; 19] = [
     "serde",
