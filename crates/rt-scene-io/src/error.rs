@@ -389,9 +389,15 @@ pub(crate) fn suggestion(meant: Option<&str>, known: &[String]) -> String {
     }
 }
 
-/// Most similar known word, if the similarity is sufficient.
+/// Most similar known word without regard to case, if the similarity is sufficient.
 pub(crate) fn nearest<'k>(found: &str, known: &'k [String]) -> Option<&'k str> {
-    let similarity = |word: &&String| strsim::jaro_winkler(found, word);
+    let found = found.to_lowercase();
+    // One wrong, missing or exchanged letter weighs much in a short word.
+    let is_slip = |word: &str| found.len() > 2 && strsim::osa_distance(&found, word) == 1;
+    let similarity = |word: &&String| {
+        let word = word.to_lowercase();
+        strsim::jaro_winkler(&found, &word).max(if is_slip(&word) { 0.9 } else { 0.0 })
+    };
     let alike = known.iter().filter(|word| similarity(word) > 0.75);
     alike.max_by(|a, b| similarity(a).total_cmp(&similarity(b))).map(String::as_str)
 }
@@ -417,6 +423,10 @@ mod tests {
             unknown("raduis", known()).to_string(),
             "unknown field `raduis`; did you mean `radius`? Known are `radius`, `center`"
         );
+        for (found, word) in [("PATH", "path"), ("KD", "kd"), ("sRGB", "srgb"), ("rde", "red")] {
+            let known = ["whitted", "path", "kd", "srgb", "red"].map(str::to_owned);
+            assert_eq!(nearest(found, &known), Some(word));
+        }
         assert_eq!(unknown("xyz", known()).to_string(), "unknown field `xyz`; known are `radius`, `center`");
         assert_eq!(unknown("xyz", Vec::new()).to_string(), "unknown field `xyz`; no fields are defined");
     }

@@ -139,6 +139,11 @@ impl<'t> Cursor<'t> {
         self.brackets.windows(2).rev().find(|pair| pair[0].key.is_none()).map(|pair| pair[1].start)
     }
 
+    /// True behind the colon of a field, and in a list.
+    pub(super) fn expects_value(&self) -> bool {
+        self.brackets.last().is_some_and(|frame| frame.key.is_some() || frame.bracket == b'[')
+    }
+
     /// The path to the value at the cursor, present or missing.
     pub(super) fn path(&self) -> Vec<Key<'t>> {
         path_of(&self.brackets)

@@ -36,9 +36,10 @@ const fn choice(field: &'static str, old: &'static str, new: &'static str) -> De
     Deprecated { parents: &["settings"], choice_of: Some(field), old, new }
 }
 
-/// Present spelling of a deprecated field; `None` for all other words.
-pub(super) fn present_spelling(old: &str) -> Option<&'static str> {
-    DEPRECATED.iter().find(|spelling| spelling.choice_of.is_none() && spelling.old == old).map(|spelling| spelling.new)
+/// Present spellings of a deprecated field: several if parents differ, none for all other words.
+pub(super) fn present_spellings(old: &str) -> impl Iterator<Item = &'static str> {
+    let deprecated = DEPRECATED.iter().filter(move |spelling| spelling.choice_of.is_none() && spelling.old == old);
+    deprecated.map(|spelling| spelling.new)
 }
 
 /// Word after the colon that follows the key at this byte, and its byte; empty for a value that is not a word.

@@ -55,7 +55,7 @@ impl Schema {
                 let find = |name: &str| {
                     of("properties").into_iter().find_map(|fields| fields.as_object()?.get_key_value(name))
                 };
-                let known = find(name).or_else(|| find(deprecated::present_spelling(name)?));
+                let known = find(name).or_else(|| deprecated::present_spellings(name).find_map(find));
                 match known {
                     Some((name, field)) => return Some(self.expand(vec![field], name)),
                     None => of("additionalProperties").into_iter().filter(|any| any.is_object()).collect(),
@@ -109,6 +109,20 @@ impl<'s> Slot<'s> {
     /// True if a field of this name can be here.
     pub(super) fn has_field(&self, name: &str) -> bool {
         self.alternatives.iter().any(|any| any.get("properties").is_some_and(|fields| fields.get(name).is_some()))
+    }
+
+    /// The names of the fields here.
+    pub(super) fn fields(&self) -> Vec<String> {
+        let fields = self.alternatives.iter().filter_map(|any| any.get("properties")?.as_object());
+        fields.flat_map(|fields| fields.keys().cloned()).collect()
+    }
+
+    /// Fields that a choice with fields needs; `None` for a choice with a value.
+    pub(super) fn required_fields(&self) -> Option<Vec<&'s str>> {
+        let [any] = self.alternatives[..] else { return None };
+        any.get("properties").filter(|_| self.definition.is_none())?;
+        let required = any.get("required").and_then(Value::as_array);
+        Some(required.into_iter().flatten().filter_map(Value::as_str).collect())
     }
 
     /// Name of a choice here of several values without names, and their number.
@@ -191,6 +205,8 @@ impl<'s> Slot<'s> {
             "string" => "text in double quotes".to_owned(),
             "boolean" => "true or false".to_owned(),
             "array" => match (self.fixed_length(), is_ron) {
+                (Some(length), true) if has_parts(schema) => format!("{length} values in parentheses"),
+                (Some(length), false) if has_parts(schema) => format!("{length} values in brackets"),
                 (Some(2), true) => "two values: (a, b)".to_owned(),
                 (Some(2), false) => "two values: [a, b]".to_owned(),
                 (Some(3), true) => "(x, y, z)".to_owned(),
@@ -205,6 +221,11 @@ impl<'s> Slot<'s> {
             _ => "fields in braces: {\"name\": value, ...}".to_owned(),
         }
     }
+}
+
+/// True for a list of fixed length whose elements have parts, such as points.
+fn has_parts(schema: &Value) -> bool {
+    ["/prefixItems/0", "/items"].iter().filter_map(|part| schema.pointer(part)).any(|part| type_of(part) == "array")
 }
 
 fn is_list_of_steps(schema: &Value) -> bool {

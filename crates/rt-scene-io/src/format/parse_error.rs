@@ -9,7 +9,7 @@ use super::material::NodeMaterial;
 use super::ron_options::ron_options;
 use super::spelling::{Choice, NO_SPELLING};
 use super::synonyms::{Meant, meant};
-use super::{Color, ColorTexture};
+use super::{Color, ColorTexture, deprecated};
 use crate::excerpt::{Position, floor, line_start};
 use crate::limits::NESTING;
 use crate::{LoadErrorKind, error::suggestion};
@@ -65,19 +65,14 @@ impl<'t> Explainer<'t> {
                 self.unknown_choice(at.saturating_sub(found.len()), &found, expected)
             }
             Ron::MissingStructField { field, .. } => self.missing_field(&cursor, at, field),
-            Ron::DuplicateStructField { field, .. } => {
-                ParseError::new(at, format!("the field `{field}` is given twice"))
-            }
+            Ron::DuplicateStructField { field, .. } => self.duplicate_field(&cursor, at, field),
             Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word)
                 if word.contains('-') && word.starts_with(char::is_alphabetic) =>
             {
                 let advice = format!("names have underscores: write `{}` instead of `{word}`", word.replace('-', "_"));
                 ParseError::new(at, advice)
             }
-            Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word) => ParseError::new(
-                at,
-                format!("expected the name of a field, found `{word}` (decimals are written with a point)"),
-            ),
+            Ron::InvalidIdentifier(word) | Ron::SuggestRawIdentifier(word) => self.no_name(&cursor, at, &word),
             Ron::ExceededRecursionLimit => ParseError { at, kind: too_deep() },
             Ron::Eof => self.early_end(),
             Ron::ExpectedStringEnd => ParseError::new(at, "a string has no closing quote"),
@@ -145,7 +140,7 @@ impl<'t> Explainer<'t> {
         } else if starts("missing field `") {
             self.missing_field(&cursor, at, found())
         } else if starts("duplicate field `") {
-            ParseError::new(last, format!("the field `{}` is given twice", found()))
+            self.duplicate_field(&cursor, last, found())
         } else if starts("recursion limit exceeded") {
             ParseError { at: at.saturating_sub(1), kind: too_deep() }
         } else if starts("EOF") {
@@ -216,6 +211,47 @@ impl<'t> Explainer<'t> {
         self.wrong_value(Some(value), at)
     }
 
+    /// A word or number stands where the name of a field or a choice is expected.
+    fn no_name(&self, cursor: &Cursor<'t>, at: usize, word: &str) -> ParseError {
+        if cursor.expects_value() {
+            return self.other_type(cursor, at);
+        }
+        let is_digit = |c: char| c.is_ascii_digit();
+        let is_decimal = word.starts_with(is_digit)
+            && self.text[..at].trim_end().strip_suffix(',').is_some_and(|before| before.ends_with(is_digit));
+        let hint = if is_decimal {
+            " (decimals are written with a point)".to_owned()
+        } else {
+            let fields = self.schema.slot(&cursor.container()).map(|slot| slot.fields()).unwrap_or_default();
+            if fields.is_empty() { String::new() } else { suggestion(None, &fields) }
+        };
+        ParseError::new(at, format!("expected the name of a field, found `{word}`{hint}"))
+    }
+
+    /// A field is given twice, perhaps under a deprecated name.
+    fn duplicate_field(&self, cursor: &Cursor<'t>, at: usize, field: &str) -> ParseError {
+        let spelling = cursor.group(self.text).and_then(|group| {
+            let container = cursor.container();
+            let end = group.range.end;
+            let mut found = None;
+            Cursor::walk(self.text, end, |inner, name, start| {
+                if start >= group.range.start
+                    && inner.container() == container
+                    && deprecated::present_spellings(name).any(|present| present == field)
+                {
+                    found = Some((start, name));
+                }
+            });
+            found
+        });
+        match spelling {
+            Some((start, old)) => {
+                ParseError::new(start, format!("`{old}` and `{field}` are the same field: remove `{old}`"))
+            }
+            None => ParseError::new(at, format!("the field `{field}` is given twice")),
+        }
+    }
+
     fn unknown_field(&self, at: usize, found: &str, known: &[&str]) -> ParseError {
         let path = Cursor::before(self.text, at).container();
         let slot = self.schema.slot(&path);
@@ -251,10 +287,10 @@ impl<'t> Explainer<'t> {
         let known: Vec<String> =
             known.iter().filter(|word| !word.starts_with('$')).map(|&word| word.to_owned()).collect();
         match meant(context, found) {
-            Some(Meant::Word(word)) => suggestion(Some(word), &known),
+            Some(Meant::Word(word)) if known.iter().any(|known| known == word) => suggestion(Some(word), &known),
             Some(Meant::Written(form)) if self.notation == Notation::Ron => format!("; write {form}"),
             Some(Meant::Written(form)) => format!("; in the notation of .ron files, write {form}"),
-            None => suggestion(crate::error::nearest(found, &known), &known),
+            Some(Meant::Word(_)) | None => suggestion(crate::error::nearest(found, &known), &known),
         }
     }
 
@@ -320,8 +356,36 @@ impl<'t> Explainer<'t> {
         byte.is_some_and(|byte| byte.is_ascii_digit() || b"-[tfn".contains(byte))
     }
 
-    /// Reports text at a place where the schema has nothing.
-    fn unexpected(&self, at: usize) -> ParseError {
+    /// Notation of a choice with fields or a value, and the words for that value.
+    fn form_of<'n>(&self, path: &[Key<'n>], name: &'n str) -> (String, Option<String>) {
+        let inner = self.schema.slot(&[path, &[Key::Name(name)]].concat());
+        let required = inner.as_ref().and_then(Slot::required_fields);
+        let given = |fields: &[&str], quote: &str| -> String {
+            let given: Vec<String> = fields.iter().map(|field| format!("{quote}{field}{quote}: ...")).collect();
+            given.join(", ")
+        };
+        match (required, self.notation) {
+            (Some(fields), Notation::Ron) => (format!("{name}({})", given(&fields, "")), None),
+            (Some(fields), Notation::Json) => (format!("{{\"{name}\": {{{}}}}}", given(&fields, "\"")), None),
+            (None, notation) => {
+                let words = inner.map_or_else(|| "a value".to_owned(), |inner| inner.words(notation));
+                let form = match notation {
+                    Notation::Ron => format!("{name}(...)"),
+                    Notation::Json => format!("{{\"{name}\": ...}}"),
+                };
+                (form, Some(words))
+            }
+        }
+    }
+
+    /// Reports a value at a place where the schema has nothing, such as that of a choice without values.
+    fn no_value_of(&self, path: &[Key<'t>], start: usize, at: usize) -> ParseError {
+        if let Some((Key::Name(name), outer)) = path.split_last()
+            && let Some(slot) = self.schema.slot(outer)
+            && slot.choices().contains(&(*name, false))
+        {
+            return ParseError::new(start, format!("`{name}` takes no value: write \"{name}\" instead of the object"));
+        }
         match self.text[at..].chars().next() {
             Some(bracket @ (')' | ']' | '}')) => ParseError::new(at, format!("unexpected `{bracket}`: remove it")),
             _ => ParseError::new(at, "unexpected value"),
@@ -332,7 +396,7 @@ impl<'t> Explainer<'t> {
     fn wrong_value(&self, value: Option<TextValue<'t>>, at: usize) -> ParseError {
         let Some(TextValue { range, path }) = value else { return self.early_end() };
         let given = &self.text[range.clone()];
-        let Some(slot) = self.schema.slot(&path) else { return self.unexpected(at) };
+        let Some(slot) = self.schema.slot(&path) else { return self.no_value_of(&path, range.start, at) };
         let word = given.trim_matches('"');
         let chosen = slot.choices().into_iter().find(|(name, _)| *name == word);
         if self.notation == Notation::Ron
@@ -343,10 +407,27 @@ impl<'t> Explainer<'t> {
         let place = field_of(&path).map_or_else(String::new, |field| format!(" for `{field}`"));
         let hint = match (chosen, self.notation) {
             (Some((name, true)), Notation::Ron) if given == word => {
-                return ParseError::new(range.start, format!("`{name}` needs parentheses: `{name}()`"));
+                let (form, value) = self.form_of(&path, name);
+                let is_empty = next(self.text, range.end).is_some_and(|next| self.text[next..].starts_with('('));
+                let message = match value {
+                    Some(value) if is_empty => format!("`{name}` needs a value in its parentheses: {value}"),
+                    Some(value) => format!("`{name}` needs a value in parentheses, `{form}`: {value}"),
+                    None => format!("`{name}` needs parentheses: `{form}`"),
+                };
+                return ParseError::new(range.start, message);
             }
-            (Some((name, _)), Notation::Ron) => format!("; write `{name}` without quotes"),
-            (Some((name, true)), Notation::Json) => format!("; write {{\"{name}\": {{}}}}"),
+            (Some((name, false)), Notation::Ron) => format!("; write `{name}` without quotes"),
+            (Some((name, true)), notation) => {
+                let (form, value) = self.form_of(&path, name);
+                let with = value.map(|value| format!(", with {value}")).unwrap_or_default();
+                match notation {
+                    Notation::Ron => {
+                        let form = form.strip_suffix("()").unwrap_or(&form);
+                        format!("; write `{form}` without quotes{with}")
+                    }
+                    Notation::Json => format!("; write {form}{with}"),
+                }
+            }
             _ if path.is_empty() => hint_of_notation(given, self.notation).to_owned(),
             _ => hint_of_brackets(&slot, given, self.notation).to_owned(),
         };
@@ -383,10 +464,22 @@ impl<'t> Explainer<'t> {
                 ParseError::new(start, format!("`{closing}` is missing before `{}`", char::from(bracket)))
             }
             b'=' => ParseError::new(start, "expected `:` after the name of a field, found `=`"),
+            b'(' if self.is_plain_choice(cursor) => {
+                ParseError::new(start, "this choice takes no value: remove the parentheses")
+            }
             // A value may stand here, but not this one.
             _ if matches!(cursor.last_token, TokenClass::Open | TokenClass::Mark) => self.unfit_value(cursor, start),
             _ => ParseError::new(start, format!("expected a comma or `{closing}` before this")),
         }
+    }
+
+    /// True behind the name of a choice without fields and values.
+    fn is_plain_choice(&self, cursor: &Cursor<'t>) -> bool {
+        cursor.last_token == TokenClass::Value
+            && cursor.last().is_some_and(|TextValue { range, path }| {
+                let slot = self.schema.slot(&path);
+                slot.is_some_and(|slot| slot.choices().contains(&(&self.text[range], false)))
+            })
     }
 
     /// A value whose beginning fits, such as 1.5 where a whole number is expected, or one too many for a choice.

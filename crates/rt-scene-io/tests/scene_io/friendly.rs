@@ -199,6 +199,104 @@ const MISTAKES: &[(&str, &str)] = &[
     (r#"{"nodes": [{"shape": }]}"#, "expected a value"),
 ];
 
+/// Messages that advised what was written, or what was refused next.
+#[test]
+fn advice_on_choices_can_be_followed() {
+    for (text, words) in [
+        ("(film: (filter: gaussian), nodes: [])", "`gaussian` needs a value in parentheses, `gaussian(...)`: a number"),
+        ("(film: (filter: gaussian()), nodes: [])", "`gaussian` needs a value in its parentheses: a number"),
+        ("(film: (encoding: gamma()), nodes: [])", "`gamma` needs a value in its parentheses: a number"),
+        ("(background: constant(), nodes: [])", "`constant` needs a value in its parentheses: a colour: a number, "),
+        ("(lights: [ambient()], nodes: [])", "`ambient` needs a value in its parentheses: a colour: a number, "),
+        ("(materials: {\"m\": mix()}, nodes: [])", "`mix` needs a value in its parentheses: a list in brackets"),
+        ("(nodes: [(material: mix())])", "`mix` needs a value in its parentheses: a list in brackets"),
+        ("(nodes: [(transform: [rotate_x()])])", "`rotate_x` needs a value in its parentheses: a number"),
+        ("(lights: [point], nodes: [])", "`point` needs parentheses: `point(position: ...)`"),
+        ("(film: (filter: \"gaussian\"), nodes: [])", "write `gaussian(...)` without quotes, with a number"),
+        ("(settings: (integrator: path()), nodes: [])", "this choice takes no value: remove the parentheses"),
+        ("(film: (filter: box()), nodes: [])", "this choice takes no value: remove the parentheses"),
+        (r#"{"film": {"filter": "gaussian"}, "nodes": []}"#, "write {\"gaussian\": ...}, with a number"),
+        (r#"{"lights": ["point"], "nodes": []}"#, "write {\"point\": {\"position\": ...}}"),
+        (r#"{"film": {"filter": {"gaussian": {}}}, "nodes": []}"#, "expected a number for `gaussian`, found {}"),
+        (r#"{"film": {"filter": {"box": {}}}, "nodes": []}"#, "`box` takes no value: write \"box\""),
+        (r#"{"settings": {"integrator": {"path": {}}}, "nodes": []}"#, "`path` takes no value: write \"path\""),
+    ] {
+        assert!(said(text).contains(words), "{text}\n{words}\n{}", said(text));
+    }
+}
+
+/// Hints named fields that the material does not have.
+#[test]
+fn hints_name_fields_that_the_material_has() {
+    for (material, words) in [
+        ("mirror(metalness: 0.5)", "unknown field `metalness` in mirror; known are `reflectance`"),
+        ("glass(metalness: 0.5)", "in glass; known are `ior`"),
+        ("glossy(rough: 0.5)", "did you mean `exponent`?"),
+        ("mirror(rough: 0.5)", "in mirror; known are `reflectance`"),
+        ("thin_glass(rough: 0.5)", "in thin_glass; known are `ior`, `transmittance`"),
+        ("glossy(eta: 1.5)", "in glossy; known are `diffuse`"),
+        ("thin_glass(color: 1)", "did you mean `transmittance`?"),
+        ("metallic_roughness(metalness: 1)", "did you mean `metallic`?"),
+    ] {
+        let said = said(&format!("(materials: {{\"m\": {material}}}, nodes: [])"));
+        assert!(said.contains(words), "{material}\n{words}\n{said}");
+    }
+}
+
+/// `Path` was taken for a synonym of `file`, and capitals were as far from their words as other letters.
+#[test]
+fn words_in_capitals_are_recognised() {
+    for (text, word) in [
+        ("(settings: (integrator: Path), nodes: [])", "path"),
+        ("(settings: (integrator: PATH), nodes: [])", "path"),
+        ("(settings: (accel: BVH), nodes: [])", "bvh"),
+        ("(settings: (accel: KD), nodes: [])", "kd"),
+        ("(film: (tone: ACES), nodes: [])", "aces"),
+        ("(film: (filter: BOX), nodes: [])", "box"),
+        ("(film: (encoding: sRGB), nodes: [])", "srgb"),
+        ("(materials: {\"red\": mirror()}, nodes: [(material: \"rde\")])", "red"),
+        (r#"{"settings": {"integrator": "Path"}, "nodes": []}"#, "path"),
+    ] {
+        let words = format!("did you mean `{word}`?");
+        assert!(said(text).contains(&words), "{text}\n{words}\n{}", said(text));
+    }
+}
+
+/// The note on decimals followed any number in place of a name.
+#[test]
+fn only_commas_between_digits_are_taken_for_decimal_points() {
+    for (text, words, is_decimal) in [
+        ("(background: 0.5, nodes: [])", "expected one of `constant`, `gradient`, `image` for `background`", false),
+        (
+            "(nodes: [(shape: sphere(2))])",
+            "expected the name of a field, found `2`; known are `center`, `radius`",
+            false,
+        ),
+        ("(nodes: [(material: diffuse(0.8))])", "found `0.8`; known are `albedo`", false),
+        ("(nodes: [(material: diffuse(albedo: checker(0.1, 0.5)))])", "found `0.1`; known are `even`", false),
+        ("(nodes: [(shape: sphere(radius: 1,5))])", "expected the name of a field, found `5` (decimals", true),
+    ] {
+        let said = said(text);
+        assert!(said.contains(words), "{text}\n{words}\n{said}");
+        assert_eq!(said.contains("decimals"), is_decimal, "{text}\n{said}");
+    }
+}
+
+/// Objects in place of other values were an "unexpected value".
+#[test]
+fn objects_in_place_of_lists_are_explained() {
+    for (text, words) in [
+        (r#"{"nodes": {"shape": {"sphere": {}}}}"#, "expected a list in brackets for `nodes`"),
+        (r#"{"nodes": [{"transform": {"translate": [1, 0, 0]}}]}"#, "expected a list of steps in brackets"),
+        (r#"{"lights": {"ambient": 0.2}, "nodes": []}"#, "expected a list in brackets for `lights`"),
+        (r#"{"nodes": [{"shape": {"triangle": {}}}]}"#, "expected 3 values in brackets for `triangle`, found {}"),
+        (r#"{"film": {"size": {"w": 3}}, "nodes": []}"#, "expected two values: [a, b] for `size`"),
+        (r#"{"nodes": [[null]]}"#, "expected fields in braces"),
+    ] {
+        assert!(said(text).contains(words), "{text}\n{words}\n{}", said(text));
+    }
+}
+
 /// Messages of JSON scenes with an array in place of an object. Its order of fields was that of the source.
 #[test]
 fn arrays_in_place_of_objects_are_refused() {
