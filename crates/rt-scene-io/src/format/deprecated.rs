@@ -15,13 +15,36 @@ struct Deprecated {
     new: &'static str,
 }
 
-const DEPRECATED: [Deprecated; 9] = [
+/// Lights with an intensity.
+const DELTA_LIGHTS: &[&str] = &["point", "directional", "spot"];
+
+/// Lights with a radiance.
+const AREA_LIGHTS: &[&str] = &["quad", "disk", "sphere", "cylinder"];
+
+const DEPRECATED: [Deprecated; 26] = [
     field(&["quad", "disk", "light", "phong"], "shines", "emission_sides"),
     field(&["point"], "lamp_radius", "shadow_near"),
     field(&["settings"], "depth", "max_depth"),
     field(&["settings"], "roulette_from", "rr_start_depth"),
     field(&["object_space"], "least", "min_spp"),
+    field(&["diffuse"], "color", "albedo"),
+    field(&["diffuse"], "colour", "albedo"),
+    field(&["mirror"], "color", "reflectance"),
+    field(&["mirror"], "colour", "reflectance"),
+    field(&["metallic_roughness"], "color", "base_color"),
+    field(&["metallic_roughness"], "colour", "base_color"),
+    field(&["phong"], "colour", "color"),
+    field(&["light"], "color", "radiance"),
+    field(&["light"], "colour", "radiance"),
+    field(&["light"], "emission", "radiance"),
+    field(DELTA_LIGHTS, "color", "intensity"),
+    field(DELTA_LIGHTS, "colour", "intensity"),
+    field(AREA_LIGHTS, "color", "radiance"),
+    field(AREA_LIGHTS, "colour", "radiance"),
+    field(&["sphere", "disk"], "centre", "center"),
     choice("integrator", "caustics", "path_caustics"),
+    choice("integrator", "ao", "ambient_occlusion"),
+    choice("sampler", "center", "centre"),
     choice("accel", "wide", "bvh8"),
     choice("accel", "spheres", "sphere_tree"),
     choice("accel", "cylinders", "cylinder_tree"),
@@ -69,7 +92,11 @@ fn has_word(text: &str, word: &str) -> bool {
 pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
     let mut found: [Option<(usize, usize)>; DEPRECATED.len()] = [None; DEPRECATED.len()];
     // Most scenes have none, and a search is faster than the scanner.
-    if !DEPRECATED.iter().any(|spelling| has_word(text, spelling.old)) {
+    let may_be_in = |spelling: &Deprecated| {
+        let mut around = spelling.choice_of.as_slice().iter().chain(spelling.parents);
+        around.any(|word| text.contains(word)) && has_word(text, spelling.old)
+    };
+    if !DEPRECATED.iter().any(may_be_in) {
         return Vec::new();
     }
     Cursor::walk(text, text.len(), |cursor, name, at| {
@@ -139,10 +166,58 @@ mod tests {
         assert_eq!(SceneFile { warnings: Vec::new(), ..old }, new);
     }
 
+    /// They were read without a warning, and the schema does not have them.
+    #[test]
+    fn undocumented_colours_are_read_with_a_warning_each() {
+        let light = |light: &str| format!("(nodes: [], lights: [{light}])");
+        let material = |material: &str| format!("(nodes: [], materials: {{\"light\": {material}}})");
+        let area = "radius: 1, color: 1";
+        for (old, spelling, new) in [
+            (material("diffuse(color: 0.5)"), "color", "albedo"),
+            (material("mirror(colour: 0.5)"), "colour", "reflectance"),
+            (material("metallic_roughness(color: 0.5)"), "color", "base_color"),
+            (material("phong(colour: 0.5)"), "colour", "color"),
+            (material("light(color: 2)"), "color", "radiance"),
+            (material("light(emission: 2)"), "emission", "radiance"),
+            (light("point(position: (0, 1, 0), color: 2)"), "color", "intensity"),
+            (light("directional(direction: (0, -1, 0), color: 2)"), "color", "intensity"),
+            (light("spot(position: (0, 1, 0), direction: (0, -1, 0), color: 2)"), "color", "intensity"),
+            (light("quad(corner: (0, 1, 0), edges: ((1, 0, 0), (0, 0, 1)), color: 2)"), "color", "radiance"),
+            (light(&format!("disk(center: (0, 1, 0), normal: (0, 1, 0), {area})")), "color", "radiance"),
+            (light(&format!("sphere(center: (0, 1, 0), {area})")), "color", "radiance"),
+            (light(&format!("cylinder(base: (0, 1, 0), top: (0, 2, 0), {area})")), "color", "radiance"),
+            ("(nodes: [(shape: sphere(centre: (0, 1, 0)))])".to_owned(), "centre", "center"),
+        ] {
+            let parsed = |text: &str| parse_ron(text, Path::new("s.ron")).unwrap_or_else(|error| panic!("{error}"));
+            let read = parsed(&old);
+            let messages: Vec<&str> = read.warnings.iter().map(|warning| &*warning.message).collect();
+            assert_eq!(messages, [format!("the spelling `{spelling}` is deprecated: write `{new}`")], "{old}");
+            let present = parsed(&old.replacen(&format!("{spelling}:"), &format!("{new}:"), 1));
+            assert!(present.warnings.is_empty(), "{old}");
+            assert_eq!(SceneFile { warnings: Vec::new(), ..read }, present);
+        }
+    }
+
+    /// The message said that the documented field was given twice.
+    #[test]
+    fn a_field_under_both_of_its_names_is_one_field() {
+        let ron = "(nodes: [], lights: [point(position: (0, 3, 0), color: 1, intensity: 2)])";
+        let json = r#"{"nodes": [], "materials": {"m": {"diffuse": {"albedo": 1, "color": 2}}}}"#;
+        let ron = parse_ron(ron, Path::new("s.ron")).expect_err("twice").to_string();
+        let json = parse_json(json, Path::new("s.json")).expect_err("twice").to_string();
+        assert!(ron.starts_with("s.ron:1:49: `color` and `intensity` are the same field: remove `color`"), "{ron}");
+        assert!(json.starts_with("s.json:1:60: `color` and `albedo` are the same field: remove `color`"), "{json}");
+        let twice = parse_ron("(nodes: [(shape: sphere(radius: 1, radius: 2))])", Path::new("s.ron"));
+        let twice = twice.expect_err("twice").to_string();
+        assert!(twice.contains("the field `radius` is given twice"), "{twice}");
+    }
+
     #[test]
     fn deprecated_choices_are_read_with_a_warning_each() {
         for (field, old, new, column) in [
             ("integrator", "caustics", "path_caustics", 36),
+            ("integrator", "ao", "ambient_occlusion", 36),
+            ("sampler", "center", "centre", 33),
             ("accel", "wide", "bvh8", 31),
             ("accel", "spheres", "sphere_tree", 31),
             ("accel", "cylinders", "cylinder_tree", 31),

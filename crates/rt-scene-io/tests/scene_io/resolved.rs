@@ -28,7 +28,7 @@ const SCENE: &str = r##"
     },
     groups: {
         "two pairs": [(instance: "pair"), (transform: [translate(0, 0, -3)], instance: "pair")],
-        "pair": [(shape: sphere(), material: "glass"), (shape: sphere(centre: (2, 0, 0)))],
+        "pair": [(shape: sphere(), material: "glass"), (shape: sphere(center: (2, 0, 0)))],
     },
     nodes: [
         (name: "floor", shape: plane(), material: "floor"),
