@@ -18,7 +18,12 @@ pub(super) fn lens(
 ) -> Option<Lens> {
     let path = format!("{path}.lens");
     let radius = radius(report, &path, lens);
-    let focus = focus(report, &path, camera, lens, world_from_camera);
+    let is_pinhole = lens.radius.is_none() && lens.f_stop.is_none() && lens.focal_length.is_none();
+    let focus = match (lens.focus, lens.focus_at) {
+        // All distances are in focus.
+        (None, None) if is_pinhole => Some(1.0),
+        _ => focus(report, &path, camera, lens, world_from_camera),
+    };
     let blades = match lens.blades {
         Some(blades @ 0..3) => {
             let rule = "is less than 3: give at least 3 blades, or omit the field for a round aperture";
@@ -34,6 +39,7 @@ fn radius(report: &mut Diagnostics, path: &str, lens: &format::Lens) -> Option<f
     let (f_stop, focal_length) = match (lens.radius, lens.f_stop, lens.focal_length) {
         (Some(radius), None, None) => return report.check(format_args!("{path}.radius"), not_negative(radius)),
         (None, Some(f_stop), Some(focal_length)) => (f_stop, focal_length),
+        (None, None, None) => return Some(0.0),
         _ => {
             let rule = "either as `radius`, or as `f_stop` with `focal_length`";
             return report.refuse(path, "the aperture must be given", rule);

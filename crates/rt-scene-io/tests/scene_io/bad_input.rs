@@ -107,7 +107,7 @@ fn values() {
         "(nodes: [], camera: (orthographic: -2))",
         "(nodes: [], camera: (lens_shift: (NaN, 0)))",
         "(nodes: [], camera: (lens: (radius: -0.1, focus: 0, blades: 2, rotate: NaN)))",
-        "(nodes: [], camera: (lens: (focus: 1)))",
+        "(nodes: [], camera: (lens: (focal_length: 1)))",
         "(nodes: [], camera: (shutter: (0.5, 0.25)))",
         "(nodes: [], camera: (shutter: (0, NaN)))",
         "(nodes: [], camera: (look_from: (0, 0, 5), motion: [scale(0)]))",

@@ -247,3 +247,15 @@ fn the_schema_in_the_repository_is_up_to_date() {
 fn the_reference_page_in_the_repository_is_up_to_date() {
     is_up_to_date("docs/SCENE-FORMAT.md", &reference_page());
 }
+
+/// The documented default radius of 0 was refused.
+#[test]
+fn a_lens_without_radius_is_a_pinhole() {
+    for lens in ["()", "(focus: 4)", "(blades: 6)"] {
+        for camera in ["look_from: (0, 0, 5), ", "transform: [translate(0, 0, 5)], ", ""] {
+            let scene = resolved(&format!("(camera: ({camera}lens: {lens}), nodes: [(shape: sphere())])"));
+            let found = scene.cameras[0].settings.lens.expect("a lens");
+            assert_eq!(found.radius, 0.0, "{camera}{lens}");
+        }
+    }
+}
