@@ -1,6 +1,6 @@
 //! Settings of the render.
 
-use super::value::{not_negative, positive, within};
+use super::value::{positive, within};
 use crate::diagnostics::Diagnostics;
 use crate::format;
 use crate::{AdaptiveSampling, Integrator, RenderSettings, limits};
@@ -16,7 +16,7 @@ pub(super) fn settings(report: &mut Diagnostics, settings: &format::Settings, de
         AdaptiveSampling::ObjectSpace { min_spp: min_spp.map(|spp| spp as u32) }
     });
     let depth = report.check("settings.max_depth", within(settings.max_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
-    report.check("settings.min_contribution", not_negative(settings.min_contribution));
+    report.check("settings.min_contribution", within(settings.min_contribution, 0.0, 1.0));
     let rr_start_depth =
         report.check("settings.rr_start_depth", within(settings.rr_start_depth, 0, limits::RAY_DEPTH)).unwrap_or(0);
     let clamp = settings.clamp.and_then(|clamp| report.check("settings.clamp", positive(clamp)));

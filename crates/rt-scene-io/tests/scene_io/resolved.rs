@@ -259,3 +259,10 @@ fn a_lens_without_radius_is_a_pinhole() {
         }
     }
 }
+
+#[test]
+fn a_contribution_above_the_whole_pixel_is_refused() {
+    let text = "(settings: (min_contribution: 2), nodes: [])";
+    let error = resolve(&parse(text), Path::new("scene.ron"), &LoadOptions::default()).expect_err(text).to_string();
+    assert_eq!(error, "scene.ron: settings.min_contribution: 2 must lie between 0 and 1");
+}
