@@ -368,6 +368,10 @@ impl<'t> Explainer<'t> {
             (Some(fields), Notation::Ron) => (format!("{name}({})", given(&fields, "")), None),
             (Some(fields), Notation::Json) => (format!("{{\"{name}\": {{{}}}}}", given(&fields, "\"")), None),
             (None, notation) => {
+                let outer = self.schema.slot(path).filter(|_| notation == Notation::Ron);
+                if let Some((_, count)) = outer.and_then(|outer| outer.value_count(name)) {
+                    return (format!("{name}(...)"), Some(format!("{count} values")));
+                }
                 let words = inner.map_or_else(|| "a value".to_owned(), |inner| inner.words(notation));
                 let form = match notation {
                     Notation::Ron => format!("{name}(...)"),

@@ -211,6 +211,7 @@ fn advice_on_choices_can_be_followed() {
         ("(materials: {\"m\": mix()}, nodes: [])", "`mix` needs a value in its parentheses: a list in brackets"),
         ("(nodes: [(material: mix())])", "`mix` needs a value in its parentheses: a list in brackets"),
         ("(nodes: [(transform: [rotate_x()])])", "`rotate_x` needs a value in its parentheses: a number"),
+        ("(nodes: [(transform: [translate])])", "needs a value in parentheses, `translate(...)`: 3 values"),
         ("(lights: [point], nodes: [])", "`point` needs parentheses: `point(position: ...)`"),
         ("(film: (filter: \"gaussian\"), nodes: [])", "write `gaussian(...)` without quotes, with a number"),
         ("(settings: (integrator: path()), nodes: [])", "this choice takes no value: remove the parentheses"),
