@@ -130,8 +130,8 @@ impl CliError {
     pub(crate) fn plan(file: &Path, source: RenderError) -> Self {
         match source {
             RenderError::Crop { .. } => Self::Usage(format!("{source}; reduce --crop, or raise --size")),
+            RenderError::Adaptive(_) => Self::Usage(format!("{source}, or turn it off by --adaptive off")),
             RenderError::SamePasses(_)
-            | RenderError::Adaptive(_)
             | RenderError::AdaptiveLens
             | RenderError::AdaptiveMotion
             | RenderError::AdaptiveUntil

@@ -10,7 +10,7 @@ use rt_scene_io::{
     read_environment,
 };
 
-use crate::args::{BackgroundChoice, ImageArgs, InputArgs};
+use crate::args::{AdaptiveChoice, BackgroundChoice, ImageArgs, InputArgs};
 use crate::console::Console;
 use crate::error::{CliError, usage};
 use crate::identity::hash_bytes;
@@ -35,6 +35,8 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
     if let Some(image) = image {
         options.size = image.size;
         options.integrator = image.integrator;
+        options.spp = image.spp;
+        options.overrides_adaptive = image.adaptive == Some(AdaptiveChoice::Off) || image.min_spp.is_some();
         options.has_environment = image.env.is_some();
         options.input_hashes = InputHashes::new(hash_bytes);
         if let Some(BackgroundChoice::Color(color)) = image.background {

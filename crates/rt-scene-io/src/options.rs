@@ -48,6 +48,10 @@ pub struct LoadOptions {
     pub studio_lights: StudioLights,
     /// Integrator of the caller; overrides that of the scene. Other defaults depend on it.
     pub integrator: Option<Integrator>,
+    /// Samples per pixel of the caller; override those of the scene. The least number of adaptive sampling depends on them.
+    pub spp: Option<u32>,
+    /// True if the caller overrides the adaptive sampling of the scene, which is then not checked.
+    pub overrides_adaptive: bool,
     /// Background of the caller; overrides that of the scene. Studio lights and exposure depend on it.
     pub background: Option<Rgb>,
     /// True if the caller adds an environment image. Studio lights, exposure and integrator depend on it.

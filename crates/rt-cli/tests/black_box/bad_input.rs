@@ -185,3 +185,23 @@ fn warnings_are_errors_under_strict() {
     let sound = place.succeed("convert scene.ron --strict -o sound.json");
     assert_eq!(sound.stderr, "", "a conversion that mends nothing");
 }
+
+/// The file was checked before the options overrode it, and its own conflict was wrong usage.
+#[test]
+fn options_override_adaptive_sampling_of_the_file() {
+    let place = Workplace::new();
+    let node = "film: (size: (8, 8)), nodes: [(shape: sphere())]";
+    place.write("many.ron", format!("(settings: (adaptive: object_space(min_spp: 32)), {node})"));
+    place.fails(3, "render many.ron", "many.ron:1:36: settings.adaptive.min_spp: 32 must lie between 1 and 16");
+    for options in ["--spp 64", "--min-spp 8", "--adaptive off"] {
+        place.succeed(&format!("render many.ron {options} -o a.png"));
+    }
+    place.write("path.ron", format!("(settings: (integrator: path, adaptive: object_space()), {node})"));
+    let message = "path.ron:1:31: settings.adaptive: object_space supports the integrator `whitted` only, not `path`";
+    place.fails(3, "render path.ron", message);
+    place.fails(3, "check path.ron", message);
+    place.succeed("render path.ron --integrator whitted -o a.png");
+    place.write("edges.ron", format!("(settings: (integrator: whitted, adaptive: object_space()), {node})"));
+    place.fails(2, "render edges.ron --integrator path -o a.png", "or turn it off by --adaptive off");
+    place.succeed("render edges.ron --integrator path --adaptive off -o a.png");
+}

@@ -87,7 +87,7 @@ pub(crate) fn resolve_with(
     let background = light::background(&mut report, fields.background.as_ref(), &mut textures);
     let film = film::film(&mut report, &fields.film);
     let cameras = camera::cameras(&mut report, &fields.cameras, &film, &media, &shutter);
-    let settings = settings::settings(&mut report, &file.settings, default_integrator);
+    let settings = settings::settings(&mut report, &file.settings, default_integrator, &options);
     let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
     if is_chosen && settings.integrator != Integrator::Whitted {
         notes.push(format!(

@@ -5,7 +5,7 @@ use std::path::Path;
 use rt_camera::CameraSettings;
 use rt_math::{DVec3, Rgb};
 use rt_scene_io::format::{SceneFile, json_schema, parse_json, parse_ron, reference_page};
-use rt_scene_io::{Content, LoadOptions, Scene, SceneNode, resolve};
+use rt_scene_io::{Content, Integrator, LoadOptions, Scene, SceneNode, resolve};
 use rt_shading::{ColorTexture, DeltaLightKind, Texture};
 
 const SCENE: &str = r##"
@@ -258,6 +258,27 @@ fn a_lens_without_radius_is_a_pinhole() {
             assert_eq!(found.radius, 0.0, "{camera}{lens}");
         }
     }
+}
+
+/// The settings of the file were checked before the command line overrode them.
+#[test]
+fn overridden_adaptive_sampling_is_not_checked() {
+    let text = |settings: &str| format!("(settings: ({settings}), nodes: [(shape: sphere())])");
+    let error = |settings: &str, options: &LoadOptions| {
+        let result = resolve(&parse(&text(settings)), Path::new("scene.ron"), options);
+        result.err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let own = LoadOptions::default();
+    let more = LoadOptions { spp: Some(256), ..LoadOptions::default() };
+    let off = LoadOptions { overrides_adaptive: true, ..LoadOptions::default() };
+    let whitted = LoadOptions { integrator: Some(Integrator::Whitted), ..LoadOptions::default() };
+    let many = "adaptive: object_space(min_spp: 32)";
+    assert!(error(many, &own).contains("settings.adaptive.min_spp: 32 must lie between 1 and 16"));
+    assert_eq!((error(many, &more), error(many, &off)), Default::default());
+    let path = "integrator: path, adaptive: object_space()";
+    let refused = "scene.ron: settings.adaptive: object_space supports the integrator `whitted` only, not `path`";
+    assert!(error(path, &own).starts_with(refused), "{}", error(path, &own));
+    assert_eq!((error(path, &off), error(path, &whitted)), Default::default());
 }
 
 #[test]
