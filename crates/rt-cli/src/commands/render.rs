@@ -47,7 +47,7 @@ fn image(args: &RenderArgs) -> Result<SignalGuard, CliError> {
         None if scene_file.file_name().is_none() => return Err(not_a_file(scene_file)),
         None => default_output(scene_file, shard, args.output_format),
     };
-    let kind = OutputKind::of(&path, shard, args.output_format)?;
+    let kind = OutputKind::of(&path, shard, args)?;
     if path.to_string_lossy().contains("####") {
         // With --frames, the number stands in its place.
         console.note("#### is replaced by the number of the frame only with --frames.")?;
@@ -171,14 +171,18 @@ enum OutputKind {
 }
 
 impl OutputKind {
-    fn of(path: &Path, shard: Option<ShardSpec>, format: Option<ImageFormat>) -> Result<Self, CliError> {
+    fn of(path: &Path, shard: Option<ShardSpec>, args: &RenderArgs) -> Result<Self, CliError> {
         let is_part = path.extension().is_some_and(|extension| extension == PART) || (shard.is_some() && is_dash(path));
         match (shard, is_part) {
             (Some(_), true) => refuse_terminal(path).map(|()| Self::Shard),
-            (None, false) => Ok(Self::Image(image_file::chosen_format(path, format)?)),
+            (None, false) => Ok(Self::Image(image_file::chosen_format(path, args.output_format)?)),
             (Some(_), false) => {
                 usage(format!("--shard writes .part files, not {}; `merge` combines them to an image", path.display()))
             }
+            (None, true) if args.frames.frames.is_some() => usage(format!(
+                "{} is a .part file: with --frames, images are written, also by each shard; name an image, such as out-####.png",
+                path.display()
+            )),
             (None, true) => usage(format!("{} is a .part file, which needs --shard I/N", path.display())),
         }
     }

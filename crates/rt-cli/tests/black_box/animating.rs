@@ -222,3 +222,16 @@ fn a_share_without_frames_is_noted() {
     assert_eq!(run.stdout, "note: shard 4 of 8 has none of the frames 0..2\n");
     assert_eq!(place.files(), ["m.bin", "m.gltf"]);
 }
+
+/// The message was that `--shard` is missing.
+#[test]
+fn shards_of_frames_are_no_part_files() {
+    let place = flight();
+    let message = "is a .part file: with --frames, images are written, also by each shard";
+    place.fails(2, "render flight.ron --frames 0..3 --shard 1/2 -o x-####.part", message);
+    place.fails(2, "render flight.ron --frames 0 --shard 1/2 -o x.part", message);
+    assert_eq!(
+        place.succeed("render flight.ron --frames 5 --shard 3/8").stdout,
+        "note: shard 3 of 8 does not have frame 5\n"
+    );
+}

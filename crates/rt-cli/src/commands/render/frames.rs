@@ -26,7 +26,8 @@ pub(super) fn each(
     let spec = args.checkpoint.shard.unwrap_or(ShardSpec::ALL);
     if !frames.indices().any(|frame| spec.holds(frame as usize)) {
         let (number, count) = (spec.index() + 1, spec.count());
-        return console.println(format_args!("note: shard {number} of {count} has none of the frames {frames}"));
+        let what = if frames.is_single() { "does not have frame" } else { "has none of the frames" };
+        return console.println(format_args!("note: shard {number} of {count} {what} {frames}"));
     }
     if frames.is_single() {
         // A single frame has no frame log.
