@@ -201,8 +201,11 @@ impl RenderPlan<'_> {
     }
 
     fn motion(&self, counts: &SceneCounts) -> Vec<String> {
-        let [opens, closes] = self.frame.camera.shutter();
-        let mut lines = vec![format!("motion blur: each sample has its own time, from {opens} to {closes}")];
+        let [first, last] = self.scene.source.shutter_interval.unwrap_or([0.0, 1.0]);
+        let [opens, closes] = self.frame.camera.shutter().map(|time| first * (1.0 - time) + last * time);
+        let mut lines = vec![format!(
+            "motion blur: each sample has its own time, from {opens} to {closes} in fractions of a frame"
+        )];
         if counts.animated > 0 {
             let what = count(counts.animated, "animated object", "animated objects");
             lines.push(format!("{what}: bounding boxes enclose the whole motion"));

@@ -424,6 +424,8 @@ pub struct Scene {
     pub nodes: Vec<SceneNode>,
     /// Exact mean of the image, if known.
     pub truth: Option<KnownMean>,
+    /// Part of a frame that the times 0 to 1 of cameras and motions span; `None` if they span all of it.
+    pub shutter_interval: Option<[f64; 2]>,
     /// Repairs and omissions.
     pub warnings: Vec<Warning>,
     /// Choices that the file leaves open: camera, lights, exposure. One sentence each.

@@ -235,3 +235,14 @@ fn shards_of_frames_are_no_part_files() {
         "note: shard 3 of 8 does not have frame 5\n"
     );
 }
+
+/// The interval was 0 to 1 whatever the shutter was.
+#[test]
+fn the_plan_names_the_interval_of_the_shutter() {
+    let place = flight();
+    for (option, interval) in [("", "from 0 to 0.5"), ("--shutter 0.25,0.75", "from 0.25 to 0.75")] {
+        let text = place.succeed(&format!("explain flight.ron {option}")).stdout;
+        let line = format!("each sample has its own time, {interval} in fractions of a frame");
+        assert!(text.contains(&line), "{option}: {text}");
+    }
+}

@@ -104,7 +104,21 @@ pub(crate) fn resolve_with(
     let mut warnings = file.warnings.clone();
     warnings.extend(report.finish()?);
     let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
-    let scene = Scene { name, cameras, film, settings, appearance, meshes, groups, nodes, truth, warnings, notes };
+    let shutter_interval = shutter.part();
+    let scene = Scene {
+        name,
+        cameras,
+        film,
+        settings,
+        appearance,
+        meshes,
+        groups,
+        nodes,
+        truth,
+        shutter_interval,
+        warnings,
+        notes,
+    };
     Ok((scene, fields))
 }
 

@@ -48,6 +48,11 @@ impl ShutterInterval {
         self.times[0]
     }
 
+    /// Interval in parts of a frame; `None` if motions take all of it.
+    pub(super) const fn part(&self) -> Option<[f64; 2]> {
+        self.part
+    }
+
     /// Options that pose models at the same times.
     pub(super) fn for_models(&self, options: &LoadOptions) -> LoadOptions {
         LoadOptions { shutter: self.part, ..options.clone() }
