@@ -70,6 +70,15 @@ pub(crate) enum CliError {
         /// Its checkpoint, or the reason why there is none.
         checkpoint: Option<Result<SavedCheckpoint, String>>,
     },
+    /// An interrupt before the first sample.
+    #[error(
+        "interrupted while the scene was loaded: no image was written{}",
+        if *has_frames { "; --resume continues the frames that are not finished" } else { "" }
+    )]
+    InterruptedLoading { has_frames: bool },
+    /// An interrupt after the previous frame was finished.
+    #[error("interrupted before it was begun; --resume continues the frames that are not finished")]
+    InterruptedBetweenFrames,
     /// An interrupt before any tile or pass was finished.
     #[error(
         "interrupted before the first {unit} was finished: no image was written, and older files are unchanged{}{}",
@@ -116,11 +125,6 @@ pub(crate) enum CliError {
 }
 
 impl CliError {
-    /// An interrupt before the first sample.
-    pub(crate) fn interrupted_at_once() -> Self {
-        Self::Interrupted { after: "0.0 % of the samples".to_owned(), image: None, checkpoint: None }
-    }
-
     /// This error in a frame of an animation.
     pub(crate) fn in_frame(self, frame: u32) -> Self {
         Self::Frame { frame, source: Box::new(self) }
@@ -155,6 +159,7 @@ impl CliError {
             Self::Interrupted { .. } | Self::NothingFinished { .. } | Self::MeasurementInterrupted { .. } => {
                 INTERRUPTED_EXIT_CODE
             }
+            Self::InterruptedLoading { .. } | Self::InterruptedBetweenFrames => INTERRUPTED_EXIT_CODE,
         })
     }
 }
@@ -182,7 +187,7 @@ fn resumption(checkpoint: &Option<Result<SavedCheckpoint, String>>) -> String {
     match checkpoint {
         Some(Ok(checkpoint)) => format!("; {}", checkpoint.advice("continues")),
         Some(Err(reason)) => format!("; it cannot be resumed, because no checkpoint could be written: {reason}"),
-        None => String::new(),
+        None => "; it cannot be resumed, because it has no checkpoint".to_owned(),
     }
 }
 

@@ -115,7 +115,7 @@ impl Job<'_> {
         // The guard lives until everything is written, so that a signal does not discard the image.
         let guard = signals::guard();
         if signals::is_interrupted() {
-            return Err(CliError::interrupted_at_once());
+            return Err(CliError::InterruptedLoading { has_frames: false });
         }
         let (shard, observer) = self.render(&plan, &fallback_dirs, display, &guard)?;
         let RenderObserver { checkpointer, kept, display, .. } = observer;

@@ -72,7 +72,7 @@ fn a_signal_while_the_scene_is_read_has_the_exit_code_of_interrupts() {
         stdin.write_all(&[b' '; 1 << 20]).expect("written");
         signal(&child, name);
         let run = Run::end(child);
-        let message = "error: interrupted after 0.0 % of the samples; no image was written\n";
+        let message = "error: interrupted while the scene was loaded: no image was written\n";
         assert_eq!((run.code, run.stderr.as_str()), (Some(130), message), "{name}");
         drop(stdin);
     }
@@ -112,6 +112,19 @@ fn an_interrupt_before_the_first_tile_keeps_older_images() {
         assert!(place.read(file) == content, "{file}");
     }
     assert!(place.path("scene.exr.checkpoint").exists());
+}
+
+/// The message did not say that there is no checkpoint.
+#[test]
+#[cfg(unix)]
+fn an_interrupt_without_a_checkpoint_says_so() {
+    let place = Workplace::with_scene();
+    let child = place.spawn("render scene.ron --integrator path --spp 2000000 --threads 1 -o -");
+    std::thread::sleep(Duration::from_millis(700));
+    signal(&child, "INT");
+    let run = Run::end(child);
+    assert_eq!(run.code, Some(130), "{run:?}");
+    assert!(run.stderr.contains("; it cannot be resumed, because it has no checkpoint"), "{run:?}");
 }
 
 /// Sends signals by a shell command, in which `$1` is the process, and waits for the end.

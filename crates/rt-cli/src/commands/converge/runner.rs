@@ -107,7 +107,12 @@ impl<'a> BenchRunner<'a> {
         let cpu_seconds = started.elapsed().as_secs_f64();
         let rendering = rendering.map_err(failed)?;
         if rendering.stopped == Stopped::Interrupted {
-            return Err(CliError::interrupted_at_once());
+            // `converge` reports the interrupt by the number of measurements.
+            return Err(CliError::Interrupted {
+                after: "a part of a render".to_owned(),
+                image: None,
+                checkpoint: None,
+            });
         }
         let statistics = &rendering.statistics;
         self.samples += statistics.samples;

@@ -51,7 +51,7 @@ pub(super) fn each(
         drop(saving.take());
         if signals::is_interrupted() {
             // The signal came when the previous frame was finished.
-            return Err(CliError::interrupted_at_once().in_frame(frame));
+            return Err(CliError::InterruptedBetweenFrames.in_frame(frame));
         }
         let args = of_frame(args, frame);
         let identity = identity_of(&args, &mut files).map_err(|error| error.in_frame(frame))?;
