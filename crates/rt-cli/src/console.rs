@@ -55,8 +55,12 @@ pub(crate) fn show(text: impl Display) -> Result<(), CliError> {
 
 /// Writes a result to standard output. A broken pipe means graceful termination.
 pub(crate) fn print(text: impl Display) -> Result<(), CliError> {
-    let mut stdout = io::stdout().lock();
-    match write!(stdout, "{text}").and_then(|()| stdout.flush()) {
+    flushed(write!(io::stdout().lock(), "{text}"))
+}
+
+/// Result of writing to standard output, which is flushed.
+pub(crate) fn flushed(written: io::Result<()>) -> Result<(), CliError> {
+    match written.and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(CliError::Stdout(error)),
         _ => Ok(()),
     }

@@ -61,7 +61,14 @@ use clap::Parser;
 
 fn main() -> ExitCode {
     signals::report_file_size_limit();
-    match commands::run(args::Cli::parse_from(args::with_default_command(std::env::args_os()))) {
+    let arguments = args::with_default_command(std::env::args_os());
+    let result = match args::Cli::try_parse_from(arguments) {
+        Ok(cli) => commands::run(cli),
+        Err(error) if error.use_stderr() => error.exit(),
+        // A help page or the version. clap ignores that it cannot be written.
+        Err(error) => console::flushed(error.print()),
+    };
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             console::print_error(&failure);

@@ -86,6 +86,9 @@ pub enum ImageFileError {
     /// The path is a directory, a pipe or a device.
     #[error("{}: is not a regular file", .0.display())]
     NotAFile(PathBuf),
+    /// The file has no bytes.
+    #[error("{}: is empty (0 bytes)", .0.display())]
+    Empty(PathBuf),
     /// The file is in no known format.
     #[error("{}: is not an image in one of the formats {}; convert it to one of them", .0.display(), ImageFormat::list_extensions())]
     UnknownFormat(PathBuf),

@@ -86,8 +86,7 @@ fn header_of_stream(
     mut reader: Box<dyn ImageSource + '_>,
     length: u64,
 ) -> Result<ImageHeader, ImageFileError> {
-    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    if is_pfm(&mut reader).map_err(unreadable)? {
+    if is_pfm(path, &mut reader)? {
         let PfmHeader { width, height, .. } = pfm::read_header(reader).map_err(|error| pfm_error(path, error))?;
         let film_bytes = 12 * u64::from(width) * u64::from(height);
         return Ok(ImageHeader { width, height, film_bytes, decoded_bytes: 0 });
@@ -127,7 +126,7 @@ pub fn format_of_bytes(bytes: &[u8], name: &Path) -> Result<ImageFormat, ImageFi
 /// Format of the next bytes of a reader.
 fn format_of_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>) -> Result<ImageFormat, ImageFileError> {
     let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    if is_pfm(&mut reader).map_err(unreadable)? {
+    if is_pfm(path, &mut reader)? {
         return Ok(ImageFormat::Pfm);
     }
     match guess_format(reader.fill_buf().map_err(unreadable)?) {
@@ -153,16 +152,19 @@ fn open(path: &Path) -> Result<(Box<dyn ImageSource>, u64), ImageFileError> {
 
 /// Reads an image of `length` bytes; the path is for messages.
 fn read_stream(path: &Path, mut reader: Box<dyn ImageSource + '_>, length: u64) -> Result<Image, ImageFileError> {
-    let unreadable = |source| ImageFileError::Read { path: path.to_owned(), source };
-    if is_pfm(&mut reader).map_err(unreadable)? {
+    if is_pfm(path, &mut reader)? {
         return pfm::read(reader, length).map_err(|error| pfm_error(path, error));
     }
     let image = decode_pixels(decoder(path, reader, length)?.0).map_err(|error| undecodable(path, error))?;
     Ok(film_of(&image))
 }
 
-fn is_pfm(reader: &mut impl BufRead) -> std::io::Result<bool> {
-    Ok(matches!(reader.fill_buf()?, [b'P', b'F' | b'f', ..]))
+fn is_pfm(path: &Path, reader: &mut impl BufRead) -> Result<bool, ImageFileError> {
+    match reader.fill_buf() {
+        Ok([]) => Err(ImageFileError::Empty(path.to_owned())),
+        Ok(bytes) => Ok(matches!(bytes, [b'P', b'F' | b'f', ..])),
+        Err(source) => Err(ImageFileError::Read { path: path.to_owned(), source }),
+    }
 }
 
 fn pfm_error(path: &Path, error: PfmError) -> ImageFileError {
@@ -342,10 +344,10 @@ mod tests {
             std::fs::write(&path, encoded(format)).expect("written");
             assert_eq!(image_format(&path).expect("known"), format);
         }
-        for bytes in [b"".as_slice(), b"GIF89a"] {
-            std::fs::write(&path, bytes).expect("written");
-            assert!(matches!(image_format(&path), Err(ImageFileError::UnknownFormat(_))), "{bytes:?}");
-        }
+        std::fs::write(&path, b"GIF89a").expect("written");
+        assert!(matches!(image_format(&path), Err(ImageFileError::UnknownFormat(_))));
+        std::fs::write(&path, b"").expect("written");
+        assert!(matches!(image_format(&path), Err(ImageFileError::Empty(_))));
         assert!(matches!(image_format(folder.path()), Err(ImageFileError::NotAFile(_))));
         assert!(matches!(image_format(&folder.path().join("missing")), Err(ImageFileError::Read { .. })));
     }
@@ -357,7 +359,8 @@ mod tests {
         let missing = folder.path().join("missing.png");
         let message = read_image(&missing).expect_err("missing").to_string();
         assert!(message.contains("missing.png"), "{message}");
-        for bytes in [b"".as_slice(), b"P", b"hello, this is no image", b"GIF89a"] {
+        assert!(matches!(read_bytes(b""), Err(ImageFileError::Empty(_))));
+        for bytes in [b"P".as_slice(), b"hello, this is no image", b"GIF89a"] {
             assert!(matches!(read_bytes(bytes), Err(ImageFileError::UnknownFormat(_))), "{bytes:?}");
         }
     }

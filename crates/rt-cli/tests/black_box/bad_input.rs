@@ -205,3 +205,24 @@ fn options_override_adaptive_sampling_of_the_file() {
     place.fails(2, "render edges.ron --integrator path -o a.png", "or turn it off by --adaptive off");
     place.succeed("render edges.ron --integrator path --adaptive off -o a.png");
 }
+
+#[test]
+fn an_empty_image_is_called_empty() {
+    let place = Workplace::with("a.exr", "");
+    place.fails(3, "develop a.exr -o a.png", "error: a.exr: is empty (0 bytes)\n");
+    place.fails(3, "compare a.exr a.exr", "error: a.exr: is empty (0 bytes)\n");
+}
+
+/// It ended with code 0.
+#[test]
+#[cfg(target_os = "linux")]
+fn help_that_cannot_be_written_ends_with_code_4() {
+    for arguments in [&["--help"][..], &["render", "--help"], &["--version"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_rt-cli"));
+        let output = command.args(arguments).stdout(full).output().expect("it starts");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{arguments:?}: {message}");
+        assert!(message.starts_with("error: standard output cannot be written: "), "{message}");
+    }
+}

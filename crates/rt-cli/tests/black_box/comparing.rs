@@ -209,3 +209,19 @@ fn incomparable_images_are_refused() {
     );
     insta::assert_snapshot!("refused", said);
 }
+
+/// The legend was "blue -0 or less, white 0, red 0 or more".
+#[test]
+fn the_heat_map_of_equal_images_is_white() {
+    let run = place_with_images().succeed("compare b.exr b.exr --heat-map map.png");
+    assert!(run.stdout.contains("white 0 everywhere") && !run.stdout.contains("-0 or less"), "{run:?}");
+}
+
+#[test]
+fn negative_thresholds_of_errors_are_refused() {
+    let place = place_with_images();
+    let message = "--threshold -1: rmse is never negative; give a number from 0 up";
+    let run = place.fails(2, "compare a.exr b.exr --threshold -1 --heat-map map.png", message);
+    assert!(run.stdout.is_empty() && !place.path("map.png").exists());
+    place.succeed("compare a.exr b.exr --metric psnr --threshold -1");
+}

@@ -171,6 +171,9 @@ impl HeatMap {
     fn legend(&self) -> String {
         let limit = digits(self.limit);
         let scale = match self.shows {
+            HeatMapOf::Error if self.limit == 0.0 => {
+                "A - B in the channel that differs most; white 0 everywhere, green NaN or infinite in A or B".to_owned()
+            }
             HeatMapOf::Error => format!(
                 "A - B in the channel that differs most; blue -{limit} or less, white 0, red {limit} or more, \
                  green NaN or infinite in A or B"

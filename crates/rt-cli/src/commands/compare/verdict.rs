@@ -17,6 +17,12 @@ pub(super) fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict
         Some(threshold) => (Metric::Rmse, threshold),
         None => (args.metric, args.threshold.unwrap_or(args.metric.best())),
     };
+    if threshold < 0.0 && !matches!(metric, Metric::Psnr | Metric::Ssim) {
+        return usage(format!(
+            "--threshold {threshold}: {} is never negative; give a number from 0 up",
+            name_of(metric)
+        ));
+    }
     match measures.value(metric) {
         Some(value) => Ok(Verdict { metric, value, threshold }),
         None if metric == Metric::Coverage => usage("--metric coverage requires an image with an alpha channel"),
