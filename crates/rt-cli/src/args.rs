@@ -48,10 +48,11 @@ pub(crate) fn name_of(value: impl ValueEnum) -> String {
     version,
     about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images",
     long_about = "A ray tracer: renders scenes (.ron, .json) and models (.gltf, .glb, .obj, .nff, .pbrt, .ply, .stl) to images.\n\n\
-                  `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without arguments, a built-in scene is \
-                  rendered to still_life.png. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
+                  `rt-cli SCENE` is short for `rt-cli render SCENE` and takes the same options. Without any argument, a built-in scene is \
+                  rendered to still_life.png; with options, a scene must be named. `rt-cli help COMMAND` is the same as `rt-cli COMMAND --help`.\n\n\
                   The file name `-` means standard input for a scene or image and standard output for an image or text. Reports then go to standard error.",
-    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, 5 image written but damaged or, with --strict, with bad samples, black or empty, 130 interrupted.",
+    after_help = "Exit codes: 0 success, 1 compared images differ, 2 wrong usage, 3 bad input, 4 output not writable, or the port of `view` in use, 5 image written but damaged or, with --strict, with bad samples, black or empty, 130 interrupted.",
+    override_usage = "rt-cli SCENE [OPTIONS]\n       rt-cli COMMAND ...\n       rt-cli [--limits]",
     disable_help_subcommand = true,
     args_conflicts_with_subcommands = true
 )]
@@ -108,6 +109,9 @@ pub(crate) enum Command {
 }
 
 #[derive(Clone, Debug, Args)]
+#[command(mut_arg("animation", |arg| {
+    arg.help("Choose the animation of models by name or index, or `all`, for --at-time or --frames [default: first]")
+}))]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,

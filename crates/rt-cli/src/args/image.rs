@@ -150,11 +150,23 @@ pub(crate) struct DevelopmentArgs {
 impl DevelopmentArgs {
     /// Removes the defaults of a scene from the help of an argument, for commands that read an image.
     pub(super) fn without_scene(argument: Arg) -> Arg {
-        const OF_SCENE: &str = "as in the scene, or ";
-        match argument.get_help().map(ToString::to_string).filter(|help| help.contains(OF_SCENE)) {
-            Some(help) => argument.help(help.replace(OF_SCENE, "")),
-            None => argument,
-        }
+        with_default(argument, |default| default.to_owned())
+    }
+
+    /// Names the shard whose defaults `merge` takes.
+    pub(super) fn of_shards(argument: Arg) -> Arg {
+        with_default(argument, |_| "as in shard 1".to_owned())
+    }
+}
+
+/// Replaces the default of a scene in the help of an argument, given the default without a scene.
+fn with_default(argument: Arg, default: impl Fn(&str) -> String) -> Arg {
+    const OF_SCENE: &str = "[default: as in the scene, or ";
+    let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+    let parts = help.split_once(OF_SCENE).and_then(|(before, rest)| Some((before, rest.split_once(']')?)));
+    match parts {
+        Some((before, (old, after))) => argument.help(format!("{before}[default: {}]{after}", default(old))),
+        None => argument,
     }
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct InputArgs {
     #[command(flatten)]
     pub(crate) timing: TimingArgs,
 
-    /// Choose the animation of models by name or index, or `all` [default: first]
+    /// Choose the animation of models by name or index, or `all`, for --at-time [default: first]
     #[arg(long, value_name = "NAME|INDEX", requires = "time_of_animation")]
     pub(crate) animation: Option<String>,
 

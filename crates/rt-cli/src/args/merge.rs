@@ -12,6 +12,7 @@ use super::memory::MemoryArgs;
 use super::values;
 
 #[derive(Debug, Args)]
+#[command(mut_args(DevelopmentArgs::of_shards))]
 pub(crate) struct MergeArgs {
     /// All shards of the image (.part files), in any order
     #[arg(value_name = "SHARDS", required = true, value_hint = ValueHint::FilePath)]

@@ -53,7 +53,7 @@ pub use transform::Step;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct SceneFile {
-    /// Path or address of the JSON Schema, for editors. It has no effect here.
+    /// Path or address of the JSON Schema, for editors, in JSON files only. It has no effect here.
     ///
     /// Example: `"$schema": "scene.schema.json"`.
     #[serde(default, rename = "$schema", skip_serializing)]
