@@ -17,7 +17,7 @@ pub struct SurfaceHit {
     pub material: u32,
     /// Area light of the surface, if it is one of the sampled lights.
     pub light: Option<LightId>,
-    /// True if the object ends shadow rays.
+    /// True if the object ends shadow rays. False for materials that [pass](crate::Material::passes_shadow_rays) them.
     pub casts_shadow: bool,
 }
 
