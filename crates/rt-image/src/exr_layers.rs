@@ -99,9 +99,10 @@ fn encode(
         .with_attributes(described);
     let mut bytes = Vec::new();
     write_chunks_with(Cursor::new(&mut bytes), SmallVec::from_iter([header]), true, |_, writer| {
+        let mut buffers = BlockBuffers::default();
         for (index, first) in (0..height as usize).step_by(BLOCK_LINES).enumerate() {
             let lines = first..(first + BLOCK_LINES).min(height as usize);
-            let compressed_pixels = compress_lines(&planes, width as usize, lines);
+            let compressed_pixels = buffers.compress(&planes, width as usize, lines);
             let block = CompressedScanLineBlock { y_coordinate: first as i32, compressed_pixels };
             writer.write_chunk(index, Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) })?;
         }
@@ -111,26 +112,38 @@ fn encode(
     Ok(bytes)
 }
 
-/// Some lines of all channels, line by line and channel by channel, in OpenEXR's ZIP compression.
-///
-/// Even bytes come before odd ones. Each byte is stored as its difference to the one before, plus 128. What that makes no smaller is
-/// stored as it is. (Kainz, Bogart, Stanczyk, Hillman, "Technical Introduction to OpenEXR", "File Layout".)
-fn compress_lines(planes: &[NamedChannel<'_>], width: usize, lines: Range<usize>) -> Vec<u8> {
-    let rows = lines.flat_map(|y| planes.iter().map(move |(_, plane)| &plane[y * width..][..width]));
-    let values: Vec<[u8; 4]> = rows.flatten().map(|value| value.to_le_bytes()).collect();
-    let mut bytes = vec![0; 4 * values.len()];
-    let (even, odd) = bytes.split_at_mut(2 * values.len());
-    let pairs = even.chunks_exact_mut(2).zip(odd.chunks_exact_mut(2));
-    for ([a, b, c, d], (even, odd)) in values.iter().zip(pairs) {
-        even.copy_from_slice(&[*a, *c]);
-        odd.copy_from_slice(&[*b, *d]);
+/// Buffers for the lines of a block: their memory is reused, because new memory costs as much as the compression.
+#[derive(Default)]
+struct BlockBuffers {
+    values: Vec<[u8; 4]>,
+    bytes: Vec<u8>,
+    differences: Vec<u8>,
+}
+
+impl BlockBuffers {
+    /// Some lines of all channels, line by line and channel by channel, in OpenEXR's ZIP compression.
+    ///
+    /// Even bytes come before odd ones. Each byte is stored as its difference to the one before, plus 128. What that makes no smaller is
+    /// stored as it is. (Kainz, Bogart, Stanczyk, Hillman, "Technical Introduction to OpenEXR", "File Layout".)
+    fn compress(&mut self, planes: &[NamedChannel<'_>], width: usize, lines: Range<usize>) -> Vec<u8> {
+        let Self { values, bytes, differences } = self;
+        let rows = lines.flat_map(|y| planes.iter().map(move |(_, plane)| &plane[y * width..][..width]));
+        values.clear();
+        rows.for_each(|row| values.extend(row.iter().map(|value| value.to_le_bytes())));
+        bytes.resize(4 * values.len(), 0);
+        let (even, odd) = bytes.split_at_mut(2 * values.len());
+        let pairs = even.chunks_exact_mut(2).zip(odd.chunks_exact_mut(2));
+        for ([a, b, c, d], (even, odd)) in values.iter().zip(pairs) {
+            even.copy_from_slice(&[*a, *c]);
+            odd.copy_from_slice(&[*b, *d]);
+        }
+        differences.clone_from(bytes);
+        for (difference, pair) in differences.iter_mut().skip(1).zip(bytes.windows(2)) {
+            *difference = pair[1].wrapping_sub(pair[0]).wrapping_add(128);
+        }
+        let compressed = miniz_oxide::deflate::compress_to_vec_zlib(differences, ZLIB_LEVEL);
+        if compressed.len() < bytes.len() { compressed } else { values.as_flattened().to_vec() }
     }
-    let mut differences = bytes.clone();
-    for (difference, pair) in differences.iter_mut().skip(1).zip(bytes.windows(2)) {
-        *difference = pair[1].wrapping_sub(pair[0]).wrapping_add(128);
-    }
-    let compressed = miniz_oxide::deflate::compress_to_vec_zlib(&differences, ZLIB_LEVEL);
-    if compressed.len() < bytes.len() { compressed } else { values.into_flattened() }
 }
 
 /// Sorts the attributes in the header of a file by name: the encoder writes them in an order that varies.
