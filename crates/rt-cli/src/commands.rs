@@ -25,7 +25,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), CliError> {
         None if cli.limits => limits::run(),
         None => showcase::run(),
         Some(Command::Render(mut args)) => {
-            signals::end_render_on_signals(args.frames.frames.is_some());
+            signals::end_render_on_signals();
             args.input.take_stdin()?;
             render::run(&args)
         }

@@ -28,8 +28,6 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static GUARDS: AtomicUsize = AtomicUsize::new(0);
 /// True in a render that has not had a guard, and before each frame.
 static IS_BEFORE_RENDER: AtomicBool = AtomicBool::new(false);
-/// True if that render has a list of frames.
-static HAS_FRAMES: AtomicBool = AtomicBool::new(false);
 /// Frame that is rendered next.
 static NEXT_FRAME: Mutex<Option<u32>> = Mutex::new(None);
 
@@ -42,8 +40,7 @@ pub(crate) fn guard() -> SignalGuard {
 }
 
 /// Lets signals before the next guard end the program with the message and the exit code of an interrupted render.
-pub(crate) fn end_render_on_signals(has_frames: bool) {
-    HAS_FRAMES.store(has_frames, Ordering::Relaxed);
+pub(crate) fn end_render_on_signals() {
     IS_BEFORE_RENDER.store(true, Ordering::Relaxed);
     install_once();
 }
@@ -51,7 +48,7 @@ pub(crate) fn end_render_on_signals(has_frames: bool) {
 /// Version of [`end_render_on_signals`] whose message names the frame.
 pub(crate) fn end_frame_on_signals(frame: u32) {
     *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame);
-    end_render_on_signals(true);
+    end_render_on_signals();
 }
 
 /// Lets signals end the program, even if the parent process ignores SIGINT, as shells do for jobs in the background.
@@ -106,8 +103,8 @@ fn end() -> ! {
 fn interrupt() {
     if GUARDS.load(Ordering::Relaxed) == 0 {
         if IS_BEFORE_RENDER.load(Ordering::Relaxed) {
-            let error = CliError::InterruptedLoading { has_frames: HAS_FRAMES.load(Ordering::Relaxed) };
             let frame = *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner);
+            let error = CliError::InterruptedLoading { has_frames: frame.is_some() };
             print_error(&match frame {
                 Some(frame) => error.in_frame(frame),
                 None => error,

@@ -231,14 +231,15 @@ impl PixelClassifier<'_> {
         if phong.diffuse.is_zero() && phong.specular.is_zero() {
             return true;
         }
-        let dims = |material: u32| appearance.materials.get(material as usize).is_some_and(Material::dims_shadow_rays);
+        let attenuates =
+            |material: u32| appearance.materials.get(material as usize).is_some_and(Material::attenuates_shadow_rays);
         let mut reaching = appearance.lights.iter().filter(|light| !patch.turns_away_from(light));
         // Test shafts last: they cost most, and most blocks that are too large fail before.
         reaching.clone().all(|light| patch.is_even_under(light, phong))
             && reaching.all(|light| {
                 let shaft = LightShaft::new(patch, light);
                 !light.casts_shadows
-                    || shaft.blocked(self.world, self.structure, (patch.index, &dims)) != Occlusion::Somewhere
+                    || shaft.blocked(self.world, self.structure, (patch.index, &attenuates)) != Occlusion::Somewhere
             })
     }
 }

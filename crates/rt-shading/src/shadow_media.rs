@@ -17,18 +17,18 @@ use rt_math::{Interval, Ray, Rgb};
 impl Appearance {
     /// True if a medium that shadow rays pass absorbs, with these features.
     pub fn has_shadow_media(&self, features: &ShadingFeatures) -> bool {
-        features.refraction && features.absorption && self.materials.iter().any(Material::dims_shadow_rays)
+        features.refraction && features.absorption && self.materials.iter().any(Material::attenuates_shadow_rays)
     }
 }
 
 impl Material {
     /// True if the surface is invisible in air. Such objects must cast no shadow ([`SurfaceHit::casts_shadow`]).
     pub fn passes_shadow_rays(&self) -> bool {
-        self.is_air() || self.dims_shadow_rays()
+        self.is_air() || self.attenuates_shadow_rays()
     }
 
     /// True for such a surface of a medium that absorbs.
-    pub fn dims_shadow_rays(&self) -> bool {
+    pub fn attenuates_shadow_rays(&self) -> bool {
         let is_dim = self.interior.is_some_and(|interior| interior.ior == 1.0 && !interior.is_air());
         is_dim && self.is_clear()
     }

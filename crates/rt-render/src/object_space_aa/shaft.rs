@@ -47,17 +47,17 @@ impl LightShaft {
         Self { line, slab: SlabRay::new(&line), radius: patch.radius, position, shadow_near }
     }
 
-    /// Occlusion by all primitives except that of the patch, which is convex and does not occlude itself. Objects of a material that
-    /// `dims` light count as if they occluded a part.
+    /// Occlusion by all primitives except that of the patch, which is convex and does not occlude itself. Objects whose material
+    /// `attenuates` light count as if they occluded a part.
     pub(super) fn blocked(
         &self,
         world: &Instances<'_>,
         structure: &AnyAccelerator,
-        (excluded, dims): (u32, &impl Fn(u32) -> bool),
+        (excluded, attenuates): (u32, &impl Fn(u32) -> bool),
     ) -> Occlusion {
         let mut blocked = Occlusion::Nowhere;
         structure.visit_overlapping(world, self, |index| {
-            if dims(world.instances[index as usize].material) {
+            if attenuates(world.instances[index as usize].material) {
                 blocked = Occlusion::Somewhere;
             } else if index != excluded && world.casts_shadow(index) {
                 match self.blocked_by(&world.form(index)) {
