@@ -2,7 +2,7 @@
 
 use crate::{
     Material, ShadingFeatures, SurfaceHit,
-    interior_list::{InterfaceEvent, InteriorList, MediumEntry, MediumInterface},
+    interior_list::{InteriorList, MediumEntry, MediumInterface},
     viewed_surface::is_inside,
 };
 use rt_math::{DVec3, Ray};
@@ -61,13 +61,6 @@ impl SurfaceTransmission {
             Self::Thin => Some(interior.thin_interface(materials)),
             Self::Solid => interior.interface(materials, body, is_inside),
         }
-    }
-
-    /// Change of the interior list of a ray that crosses the surface, as [`interface`](Self::interface) finds it.
-    #[inline(always)]
-    pub(crate) fn event(self, interior: &mut InteriorList, body: MediumEntry, is_inside: bool) -> InterfaceEvent {
-        let event = if self == Self::Solid { interior.event(body, is_inside) } else { None };
-        event.unwrap_or(InterfaceEvent::Stay)
     }
 
     /// Version of [`HitContext::is_visible`] for a surface of this material.

@@ -260,30 +260,75 @@ impl InteriorList {
     }
 }
 
-/// Stack of the lists of deferred paths.
+/// Lists of the rays of streams, one behind the other.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct InteriorListStack {
+pub(crate) struct InteriorLists {
     entries: Vec<MediumEntry>,
 }
 
-impl InteriorListStack {
-    /// Removes all lists.
-    pub(crate) fn clear(&mut self) {
-        self.entries.clear();
+/// Place of a list in [`InteriorLists`]; by default the empty list.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ListRange {
+    start: u32,
+    len: u32,
+}
+
+impl ListRange {
+    /// True for a ray in air.
+    #[inline(always)]
+    pub(crate) const fn is_empty(self) -> bool {
+        self.len == 0
+    }
+}
+
+impl InteriorLists {
+    /// Number of entries of all lists.
+    pub(crate) const fn len(&self) -> usize {
+        self.entries.len()
     }
 
-    /// Pushes a list as it is beyond a surface. Returns its length.
-    pub(crate) fn push(&mut self, interior: &InteriorList, event: InterfaceEvent) -> u32 {
-        let length = self.entries.len();
-        self.entries.extend(interior.entries_after(event));
-        (self.entries.len() - length) as u32
+    /// Removes all lists that were added when there were this many entries, or later.
+    pub(crate) fn truncate(&mut self, len: usize) {
+        self.entries.truncate(len);
     }
 
-    /// Pops a list of this length.
-    pub(crate) fn pop(&mut self, interior: &mut InteriorList, length: u32) {
-        let start = self.entries.len().saturating_sub(length as usize);
+    /// Adds a list.
+    #[inline]
+    pub(crate) fn push(&mut self, interior: &InteriorList) -> ListRange {
+        self.push_behind(interior, InterfaceEvent::Stay)
+    }
+
+    /// Adds a list as it is behind a surface.
+    #[inline]
+    pub(crate) fn push_behind(&mut self, interior: &InteriorList, event: InterfaceEvent) -> ListRange {
+        let start = self.entries.len();
+        match (interior.entries.as_slice(), event) {
+            // The usual cases need no iterator.
+            ([], InterfaceEvent::Enter(entry)) => self.entries.push(entry),
+            ([], InterfaceEvent::Stay) | ([_], InterfaceEvent::Leave(_)) => {}
+            _ => self.entries.extend(interior.entries_after(event)),
+        }
+        match self.entries.len() - start {
+            0 => ListRange::default(),
+            len => ListRange { start: start as u32, len: len as u32 },
+        }
+    }
+
+    /// Adds a list that was read from a range, unless it is still the same: lists only grow there.
+    #[inline]
+    pub(crate) fn push_changed(&mut self, interior: &InteriorList, range: ListRange) -> ListRange {
+        if interior.entries.len() == range.len as usize { range } else { self.push(interior) }
+    }
+
+    /// Replaces a list by that of a range.
+    #[inline]
+    pub(crate) fn read(&self, range: ListRange, interior: &mut InteriorList) {
         interior.entries.clear();
-        interior.entries.extend(self.entries.drain(start..));
+        if range.len > 0 {
+            let ListRange { start, len } = range;
+            let list = self.entries.get(start as usize..).and_then(|rest| rest.get(..len as usize));
+            interior.entries.extend_from_slice(list.unwrap_or(&[]));
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::{
     InteriorList, Material, ShadingCounts, SurfaceHit,
     bsdf::Scattering,
     hit_context::MAX_NULL_INTERFACES,
-    interior_list::MediumInterface,
+    interior_list::{InteriorLists, ListRange, MediumInterface},
     medium::{Medium, absorb},
 };
 use rt_math::Rgb;
@@ -19,7 +19,36 @@ pub(crate) struct MediumTracker {
     passages: u32,
 }
 
+/// Media of a ray of a stream, as [`MediumTracker`] has them of a single path.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RayMedia {
+    pub(crate) interior: ListRange,
+    medium_start: f64,
+    passages: u32,
+}
+
+impl RayMedia {
+    /// A ray that starts in these media.
+    #[inline(always)]
+    pub(crate) const fn new(interior: ListRange) -> Self {
+        Self { interior, medium_start: 0.0, passages: 0 }
+    }
+}
+
 impl MediumTracker {
+    /// Continues with a ray of a stream.
+    #[inline(always)]
+    pub(crate) fn resume(&mut self, lists: &InteriorLists, media: RayMedia) {
+        lists.read(media.interior, &mut self.interior);
+        (self.medium_start, self.passages) = (media.medium_start, media.passages);
+    }
+
+    /// Media for a stream.
+    pub(crate) fn suspend(&self, lists: &mut InteriorLists) -> RayMedia {
+        let Self { medium_start, passages, .. } = *self;
+        RayMedia { interior: lists.push(&self.interior), medium_start, passages }
+    }
+
     /// Starts a ray in these media.
     pub(crate) const fn new(interior: InteriorList) -> Self {
         Self { interior, medium_start: 0.0, passages: 0 }

@@ -15,11 +15,11 @@ mod hit_group;
 mod inputs;
 mod interfaces;
 mod lane_phong;
-mod ray_tree;
 mod secondary_rays;
 mod shade;
 mod shade_lanes;
 mod streams;
+mod tree_path;
 mod wave;
 
 use crate::{
@@ -37,11 +37,11 @@ use wave::{TreeBatch, TreeStreams};
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
 /// Waves hold many camera rays (Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs", 2013).
-/// A wave traces one ray of each to its closest hit, then all shadow rays from there.
+/// A wave traces their rays after the same number of bounces to their closest hits, then all shadow rays from there.
 ///
-/// The ray tree of each camera ray is traversed depth first with a stack of its own. `max_depth` and `min_contribution` limit it, not the
-/// stack of the thread. Shading in lanes is in `f32`; positions, hits and sums are `f64`. The radiance of a camera ray is bit-identical in every wave, with every instruction
-/// set, and with one lane. Keep one instance per thread: all buffers are reused.
+/// `max_depth` and `min_contribution` limit the ray tree of a camera ray, not the stack of the thread. Shading in lanes is in `f32`;
+/// positions, hits and sums are `f64`. The radiance of a camera ray is bit-identical in every wave, with every instruction set, and with
+/// one lane. Keep one instance per thread: all buffers are reused.
 ///
 /// Rays carry the list of dielectrics that they are inside of ([`InteriorList`]). At equal indices of refraction on both sides of a
 /// surface, Fresnel reflection is 0 and light is not deflected. If nothing else makes the surface visible

@@ -77,21 +77,33 @@ fn a_full_list_refuses_more() {
 }
 
 #[test]
-fn lists_come_off_the_stack_as_they_were_put_on() {
+fn lists_of_streams_are_read_as_they_were_added() {
     let materials = materials(&[0, 1]);
-    let mut stack = InteriorListStack::default();
+    let mut lists = InteriorLists::default();
     let mut interior = InteriorList::filled_with(0);
     let entering = interior.interface(&materials, hit(4, 1).body(), false).expect("room");
     let leaving = interior.interface(&materials, hit(7, 0).body(), true).expect("it is there");
-    let within = stack.push(&interior, entering.event);
-    let outside = stack.push(&interior, leaving.event);
-    assert_eq!((within, outside), (2, 0));
-    stack.pop(&mut interior, outside);
-    assert!(interior.is_empty());
-    stack.pop(&mut interior, within);
-    assert_eq!(interior.entries[0], InteriorList::filled_with(0).entries[0]);
-    assert_eq!(interior.entries[1], MediumEntry { object: 4, material: 1 });
-    assert!(stack.entries.is_empty());
+    let around = lists.push(&interior);
+    let within = lists.push_behind(&interior, entering.event);
+    let outside = lists.push_behind(&interior, leaving.event);
+    assert_eq!((outside, lists.len()), (ListRange::default(), 3));
+    let unchanged = lists.push_changed(&interior, around);
+    assert_eq!((unchanged, lists.len()), (around, 3));
+
+    let two = [InteriorList::filled_with(0).entries[0], MediumEntry { object: 4, material: 1 }];
+    for (range, expected) in [(within, &two[..]), (outside, &[]), (around, &two[..1])] {
+        lists.read(range, &mut interior);
+        assert_eq!(interior.entries, expected);
+    }
+    let noted = interior.interface(&materials, hit(8, 1).body(), true).expect("noted as around");
+    let changed = lists.push_changed(&interior, around);
+    lists.read(changed, &mut interior);
+    assert_eq!(interior.entries, [MediumEntry { object: 8, material: 1 }, two[0]]);
+    let behind = lists.push_behind(&interior, noted.event);
+    lists.read(behind, &mut interior);
+    assert_eq!(interior.entries, [two[0]]);
+    lists.truncate(3);
+    assert_eq!(lists.len(), 3);
 }
 
 #[test]

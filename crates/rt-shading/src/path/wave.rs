@@ -150,7 +150,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
             for light in spawned.delta.streams.iter_mut().chain([&mut spawned.sampled]) {
                 let counts = &mut spawned.counts;
                 if inputs.materials.has_shadow_media {
-                    let interior = |sample: u32| &spawned.states[sample as usize].medium_tracker.interior;
+                    let interior = |sample: u32| spawned.states[sample as usize].medium_tracker.interior.clone();
                     light.trace_through_media(world, inputs.scene(), interior, counts);
                 } else {
                     light.trace(world);

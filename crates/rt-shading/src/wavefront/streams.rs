@@ -109,18 +109,18 @@ impl<E: Element> ShadowRayStream<E> {
     }
 
     /// Version of [`trace`](Self::trace) for scenes with media that shadow rays pass. `interior` has the media of the path of a sample.
-    pub(crate) fn trace_through_media<'a>(
+    pub(crate) fn trace_through_media(
         &mut self,
         world: &mut impl StreamQueries,
         scene: (&ShadingFeatures, &[Material]),
-        interior: impl Fn(u32) -> &'a InteriorList,
+        interior: impl Fn(u32) -> InteriorList,
         counts: &mut ShadingCounts,
     ) {
         self.trace(world);
         let mut own = self.interiors.drain(..).peekable();
         let start = |at: usize| {
             let own = own.next_if(|(index, _)| *index == at).map(|(_, interior)| interior);
-            let media = ShadowMedia::new(own.unwrap_or_else(|| interior(self.sample.get(at)).clone()));
+            let media = ShadowMedia::new(own.unwrap_or_else(|| interior(self.sample.get(at))));
             let (ray, span) = self.rays.get(at);
             (at, ray, ShadowMedia::span(span), media)
         };

@@ -26,6 +26,9 @@ impl<E: Element> SpawnedRays<E> {
         seen: &mut [RadianceSample],
     ) {
         let &TreeInputs { settings, appearance, .. } = inputs;
+        for lane in each_lane(group.mask) {
+            self.sides[lane & 7] = [paths.media.get(group.at + lane).interior; 2];
+        }
         let transmission = group.phong.interface;
         if transmission == SurfaceTransmission::None && !settings.features.absorption {
             return;
@@ -40,13 +43,16 @@ impl<E: Element> SpawnedRays<E> {
         let mut is_absorbed = false;
         for lane in each_lane(group.mask) {
             let at = group.at + lane;
-            let media = &mut self.trees[paths.sample.get(at) as usize].media;
-            if transmission == SurfaceTransmission::None && media.interior.is_empty() {
+            let [before, behind] = &mut self.sides[lane & 7];
+            if transmission == SurfaceTransmission::None && before.is_empty() {
                 continue;
             }
+            let media = &mut self.media;
+            media.resume(&self.lists, paths.media.get(at));
             let is_inside = surface.inside >> lane & 1 == 1;
             let interface = transmission.interface(&mut media.interior, materials, surfaces.body(lane), is_inside);
             let interface = interface.as_ref();
+            *before = self.lists.push_changed(&media.interior, *before);
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
                 let MediumEntry { object, material } = surfaces.body(lane);
@@ -68,6 +74,7 @@ impl<E: Element> SpawnedRays<E> {
                 }
             }
             if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {
+                *behind = self.lists.push_behind(&media.interior, interface.event);
                 eta[lane] = E::rounded(interface.before.ior / interface.after.ior);
                 group.transmits |= 1 << lane;
             }
@@ -90,7 +97,7 @@ impl<E: Element> SpawnedRays<E> {
         seen: &mut [RadianceSample],
     ) {
         let (path, (ray, _)) = (paths.get(at), paths.rays.get(at));
-        let seen = &mut seen[path.sample as usize];
+        let seen = &mut seen[path.branch as usize];
         self.skip_interface(inputs, (&ray, path), hit, interface, seen);
     }
 }

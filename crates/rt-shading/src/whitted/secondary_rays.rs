@@ -3,23 +3,20 @@
 use super::{
     hit_group::{HitGroup, HitSurfaces},
     inputs::TreeInputs,
-    ray_tree::TreePath,
     streams::TreeStream,
     wave::SpawnedRays,
 };
 use crate::{
     lane_set::{Element, LaneSet},
     lanes::{each_lane, is_zero},
+    medium_tracker::RayMedia,
     optics,
-    wavefront::{
-        shaded_surface::{ShadedSurface, offset},
-        streams::{append, times},
-    },
+    wavefront::shaded_surface::{ShadedSurface, offset},
 };
-use rt_math::{Interval, Ray, Real, Rgb, Vector3};
+use rt_math::{Real, Rgb, Vector3};
 
 impl<E: Element> SpawnedRays<E> {
-    /// Spawns the mirrored and the refracted rays. Of two rays, the refracted one is deferred.
+    /// Spawns the mirrored and the refracted rays. Of two rays, the refracted one starts a branch.
     #[inline(always)]
     pub(super) fn spawn_rays<L: LaneSet<Element = E>>(
         &mut self,
@@ -29,7 +26,14 @@ impl<E: Element> SpawnedRays<E> {
     ) {
         let settings = inputs.settings;
         let &HitGroup {
-            phong, surfaces: &HitSurfaces { surface, normals, .. }, at, mask, weight, transmits, eta, ..
+            phong,
+            surfaces: &HitSurfaces { points: surface_points, surface, normals, .. },
+            at,
+            mask,
+            weight,
+            transmits,
+            eta,
+            ..
         } = group;
         let &ShadedSurface { normal: towards_viewer, direction, near_origin, .. } = surface;
         let normal = normals.normal;
@@ -79,67 +83,29 @@ impl<E: Element> SpawnedRays<E> {
                 let zero = lanes.splat(0.0);
                 let turns_back = bent.dot(towards_viewer).lt(zero);
                 let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, towards_viewer), bent);
-                let next = &mut self.reflected;
-                let end = next.len();
+                let end = self.reflected.len();
                 let rays = [near_origin, lanes.widen_vector(bent)];
-                let time = times(lanes, &paths.rays, at, inputs.has_time);
-                append(lanes, &mut next.rays, mirrored, rays, (lanes.splat_f64(f64::INFINITY), time));
-                lanes.compress_vector(weight, mirrored, &mut next.weight, end);
-                let mut depth = *paths.depth.vector(at);
-                depth.iter_mut().for_each(|depth| *depth = depth.wrapping_add(1));
-                lanes.compress_u32(&depth, mirrored, next.depth.vector_mut(end));
-                lanes.compress_u32(paths.sample.vector(at), mirrored, next.sample.vector_mut(end));
-            }
-        }
-        let mut refracts = 0;
-        if let Some((mask, bent, weight)) = refracted {
-            refracts = mask;
-            self.push_refracted(lanes, group, (mask, mirrored), [bent, weight], paths);
-        }
-        if features.refraction {
-            for lane in each_lane(mask) {
-                let sample = paths.sample.get(at + lane);
-                self.trees[sample as usize].media.start_ray();
-                if (mirrored | refracts) >> lane & 1 == 0 {
-                    self.end_path(inputs, sample);
+                self.reflected.push_lanes(lanes, mirrored, rays, weight, (paths, at, inputs.has_time));
+                if features.refraction {
+                    for (to, lane) in (end..).zip(each_lane(mirrored)) {
+                        self.reflected.media.set(to, RayMedia::new(self.sides[lane & 7][0]));
+                    }
                 }
             }
         }
-    }
-
-    /// Defers the refracted rays of lanes that have mirrored rays as well, and continues with those of the other lanes.
-    #[inline(always)]
-    fn push_refracted<L: LaneSet<Element = E>>(
-        &mut self,
-        lanes: L,
-        group: &HitGroup<'_, L>,
-        (mask, mirrored): (u8, u8),
-        [directions, weights]: [Vector3<L::F>; 2],
-        paths: &TreeStream<E>,
-    ) {
-        let HitSurfaces { points, surface, .. } = group.surfaces;
-        let directions = lanes.widen_vector(directions);
-        let outwards =
-            Vector3::select(directions.dot(points.outside).lt(lanes.splat_f64(0.0)), -points.outside, points.outside);
-        let origins = lanes.store_point(offset(lanes, points, (points.point, outwards), mask));
-        let weights = lanes.store_point(lanes.widen_vector(weights));
-        let directions = lanes.store_point(directions);
-        for lane in each_lane(mask) {
-            let at = group.at + lane;
-            let sample = paths.sample.get(at);
-            let tree = &mut self.trees[sample as usize];
-            let is_inside = surface.inside >> lane & 1 == 1;
-            let event = group.phong.interface.event(&mut tree.media.interior, group.surfaces.body(lane), is_inside);
-            let of_lane = |[x, y, z]: &[[f64; 8]; 3]| [x[lane & 7], y[lane & 7], z[lane & 7]];
-            let time = paths.rays.time.get(at);
-            let ray = Ray { origin: of_lane(&origins).into(), direction: of_lane(&directions).into(), time };
-            let weight = of_lane(&weights).into();
-            let path = TreePath { sample, depth: paths.depth.get(at) + 1, weight };
-            if mirrored >> lane & 1 == 1 {
-                tree.defer(ray, &path, event);
-            } else {
-                tree.media.interior.apply(event);
-                self.refracted.push(&ray, Interval::SPAWNED, &path);
+        if let Some((mask, bent, weight)) = refracted {
+            let directions = lanes.widen_vector(bent);
+            let outside = surface_points.outside;
+            let outwards = Vector3::select(directions.dot(outside).lt(lanes.splat_f64(0.0)), -outside, outside);
+            let origins = offset(lanes, surface_points, (surface_points.point, outwards), mask);
+            let end = self.refracted.len();
+            self.refracted.push_lanes(lanes, mask, [origins, directions], weight, (paths, at, inputs.has_time));
+            for (to, lane) in (end..).zip(each_lane(mask)) {
+                self.refracted.media.set(to, RayMedia::new(self.sides[lane & 7][1]));
+                if mirrored >> lane & 1 == 1 {
+                    let branch = self.start_branch(paths.branch.get(at + lane));
+                    self.refracted.branch.set(to, branch);
+                }
             }
         }
     }

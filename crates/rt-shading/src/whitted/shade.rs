@@ -1,9 +1,9 @@
 //! Shading of hits one by one: local illumination and secondary rays.
 
-use super::{inputs::TreeInputs, ray_tree::TreePath, wave::SpawnedRays};
+use super::{inputs::TreeInputs, tree_path::TreePath, wave::SpawnedRays};
 use crate::{
     InteriorList, Material, Phong, RadianceSample, SurfaceHit, hit_context::HitContext, interior_list::MediumInterface,
-    lane_set::Element, medium::transmittance_to_light, optics, viewed_surface::ViewedSurface,
+    lane_set::Element, medium::transmittance_to_light, medium_tracker::RayMedia, optics, viewed_surface::ViewedSurface,
 };
 use rt_math::{Interval, Ray, Rgb};
 
@@ -20,10 +20,10 @@ impl<E: Element> SpawnedRays<E> {
         let (features, materials) = (&inputs.settings.features, &inputs.appearance.materials);
         let Some(context) = HitContext::new(features, materials, ray, hit) else {
             seen.hit = true;
-            return self.end_path(inputs, path.sample);
+            return;
         };
-        let tree = &mut self.trees[path.sample as usize];
-        let interface = context.interface(&mut tree.media.interior, materials, hit.body());
+        self.media.resume(&self.lists, path.media);
+        let interface = context.interface(&mut self.media.interior, materials, hit.body());
         let interface = interface.as_ref();
         if !context.is_visible(interface) {
             return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), seen);
@@ -31,7 +31,7 @@ impl<E: Element> SpawnedRays<E> {
         seen.hit = true;
         let mut absorption = Rgb::BLACK;
         if features.absorption {
-            absorption = tree.media.absorb(materials, interface, hit.t, context.length, &mut path.weight);
+            absorption = self.media.absorb(materials, interface, hit.t, context.length, &mut path.weight);
             self.counts.absorption += u64::from(!absorption.is_black());
         }
         let HitContext { material, direction, is_inside, .. } = context;
@@ -39,7 +39,7 @@ impl<E: Element> SpawnedRays<E> {
         let phong = &material.to_phong();
         let mut interior = None;
         if inputs.phongs.has_shadow_media {
-            interior = interface.map(|_| tree.media.interior.clone());
+            interior = interface.map(|_| self.media.interior.clone());
             absorption = Rgb::BLACK;
         }
         let near = (absorption, interior.as_ref());
@@ -48,7 +48,7 @@ impl<E: Element> SpawnedRays<E> {
         self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
 
-    /// Continues the ray of a path behind a null interface. `length` is world units per unit of the ray parameter.
+    /// Continues the ray of a path in [`media`](Self::media) behind a null interface. `length` is world units per unit of the ray parameter.
     pub(super) fn skip_interface(
         &mut self,
         inputs: &TreeInputs<'_>,
@@ -57,15 +57,16 @@ impl<E: Element> SpawnedRays<E> {
         (interface, length): (Option<&MediumInterface>, f64),
         seen: &mut RadianceSample,
     ) {
-        let media = &mut self.trees[path.sample as usize].media;
+        let media = &mut self.media;
         let is_dimmed = media.skip_interface(interface, hit, length, &mut path.weight, &mut self.counts);
         self.counts.absorption += u64::from(is_dimmed);
         seen.hit |= is_dimmed;
         path.depth += u32::from(media.null_limit_exceeded());
         if path.depth > inputs.settings.max_depth {
             self.counts.depth_limited += 1;
-            return self.end_path(inputs, path.sample);
+            return;
         }
+        path.media = self.media.suspend(&mut self.lists);
         self.refracted.push(ray, hit.span_after(ray), &path);
     }
 
@@ -117,7 +118,7 @@ impl<E: Element> SpawnedRays<E> {
                         let radiance = path.weight * reflected;
                         if shadowed {
                             let radiance = radiance * transmittance_to_light(absorption, lit.distance);
-                            stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.sample, radiance);
+                            stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.branch, radiance);
                             if let Some(interior) = interior {
                                 stream.start_in(interior.clone());
                             }
@@ -142,7 +143,7 @@ impl<E: Element> SpawnedRays<E> {
         let features = &inputs.settings.features;
         if path.depth >= inputs.settings.max_depth {
             self.counts.depth_limited += u64::from(interface.is_some() || !phong.mirror.is_zero());
-            return self.end_path(inputs, path.sample);
+            return;
         }
         let surface = view.surface;
         let textures = &inputs.appearance.textures;
@@ -172,33 +173,19 @@ impl<E: Element> SpawnedRays<E> {
         let mirrored = mirrored.map(|weight| (surface.spawn_ray(view.mirrored(), time), bounced(weight)));
         let refracted =
             refracted.map(|(interface, direction, path)| (surface.spawn_ray(direction, time), path, interface));
-        self.push_secondary_rays(inputs, path.sample, mirrored, refracted);
-    }
-
-    /// Continues with the mirrored ray and defers the refracted one. Without a mirrored ray it continues with the refracted one.
-    fn push_secondary_rays(
-        &mut self,
-        inputs: &TreeInputs<'_>,
-        sample: u32,
-        mirrored: Option<(Ray, TreePath)>,
-        refracted: Option<(Ray, TreePath, &MediumInterface)>,
-    ) {
-        let tree = &mut self.trees[sample as usize];
-        tree.media.start_ray();
-        let ends = mirrored.is_none() && refracted.is_none();
-        if let Some((ray, path, interface)) = refracted {
+        // Of two rays, the refracted one starts a branch.
+        let interior = &self.media.interior;
+        let before = self.lists.push_changed(interior, path.media.interior);
+        if let Some((ray, mut path, interface)) = refracted {
+            path.media = RayMedia::new(self.lists.push_behind(interior, interface.event));
             if mirrored.is_some() {
-                tree.defer(ray, &path, interface.event);
-            } else {
-                tree.media.interior.cross(interface);
-                self.refracted.push(&ray, Interval::SPAWNED, &path);
+                path.branch = self.start_branch(path.branch);
             }
+            self.refracted.push(&ray, Interval::SPAWNED, &path);
         }
-        if let Some((ray, path)) = mirrored {
+        if let Some((ray, mut path)) = mirrored {
+            path.media = RayMedia::new(before);
             self.reflected.push(&ray, Interval::SPAWNED, &path);
-        }
-        if ends {
-            self.end_path(inputs, sample);
         }
     }
 }

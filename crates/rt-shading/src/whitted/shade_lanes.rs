@@ -47,7 +47,7 @@ impl<E: Element> SpawnedRays<E> {
             let [instances, indices] = [hits.instance.vector(at), hits.primitive.vector(at)];
             let missed = lanes.equal(indices, HitStream::NONE) & used;
             if missed != 0 {
-                self.leave_scene((lanes, inputs), missed, (paths, at), seen);
+                leave_scene((lanes, inputs), missed, (paths, at), seen);
             }
             let mut rest = self.in_lanes.bits(at) & used & !missed;
             while let Some(first) = each_lane(rest).next() {
@@ -56,7 +56,6 @@ impl<E: Element> SpawnedRays<E> {
                 let (Some(primitive), Some(model)) = (primitive, model) else {
                     // A world that contradicts itself.
                     rest &= !(1 << first);
-                    self.end_path(inputs, paths.sample.get(at + first));
                     continue;
                 };
                 let StreamPrimitive { shape, object, material, .. } = primitive;
@@ -199,35 +198,6 @@ impl<E: Element> SpawnedRays<E> {
         self.spawn_rays((lanes, inputs), &group, paths);
     }
 
-    /// Adds the background to the samples of paths that hit nothing, and ends the paths.
-    #[inline(always)]
-    fn leave_scene<L: LaneSet<Element = E>>(
-        &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
-        missed: u8,
-        (paths, at): (&TreeStream<E>, usize),
-        seen: &mut [RadianceSample],
-    ) {
-        match inputs.appearance.background {
-            Background::Constant(radiance) if is_in_range(radiance) => {
-                let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.weight, at));
-                add_radiance(lanes, missed, radiance, false, paths.sample.vector(at), seen);
-            }
-            ref background => {
-                for lane in each_lane(missed) {
-                    let (ray, _) = paths.rays.get(at + lane);
-                    let radiance = paths.weight(at + lane) * background.radiance(ray.direction);
-                    seen[paths.sample.get(at + lane) as usize].radiance += radiance;
-                }
-            }
-        }
-        if inputs.settings.features.refraction {
-            for lane in each_lane(missed) {
-                self.ended.push(paths.sample.get(at + lane));
-            }
-        }
-    }
-
     /// Adds emission and reflected ambient light.
     #[inline(always)]
     fn add_emission<L: LaneSet<Element = E>>(
@@ -246,7 +216,7 @@ impl<E: Element> SpawnedRays<E> {
                     mask,
                     lanes.splat_rgb(radiance).scaled_by(group.weight),
                     true,
-                    paths.sample.vector(group.at),
+                    paths.branch.vector(group.at),
                     seen,
                 );
             }
@@ -291,7 +261,7 @@ impl<E: Element> SpawnedRays<E> {
                 let lit = faced & !lanes.bits(is_zero(radiance));
                 let radiance = radiance.scaled_by(group.weight);
                 if !shadowed {
-                    add_radiance(lanes, lit, radiance, true, paths.sample.vector(at), seen);
+                    add_radiance(lanes, lit, radiance, true, paths.branch.vector(at), seen);
                     continue;
                 }
                 let mut radiance = radiance;
@@ -304,7 +274,30 @@ impl<E: Element> SpawnedRays<E> {
                 self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
                 let (direction, end) = shadow_rays(lanes, light, shadow_origin);
                 let time = times(lanes, &paths.rays, at, inputs.has_time);
-                stream.push(lanes, lit, [shadow_origin, direction], (end, time), (radiance, paths.sample.vector(at)));
+                stream.push(lanes, lit, [shadow_origin, direction], (end, time), (radiance, paths.branch.vector(at)));
+            }
+        }
+    }
+}
+
+/// Adds the background to the samples of paths that hit nothing.
+#[inline(always)]
+fn leave_scene<E: Element, L: LaneSet<Element = E>>(
+    (lanes, inputs): (L, &TreeInputs<'_>),
+    missed: u8,
+    (paths, at): (&TreeStream<E>, usize),
+    seen: &mut [RadianceSample],
+) {
+    match inputs.appearance.background {
+        Background::Constant(radiance) if is_in_range(radiance) => {
+            let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.weight, at));
+            add_radiance(lanes, missed, radiance, false, paths.branch.vector(at), seen);
+        }
+        ref background => {
+            for lane in each_lane(missed) {
+                let (ray, _) = paths.rays.get(at + lane);
+                let radiance = paths.weight(at + lane) * background.radiance(ray.direction);
+                seen[paths.branch.get(at + lane) as usize].radiance += radiance;
             }
         }
     }

@@ -1,20 +1,28 @@
 //! Streams of rays with the numbers of their paths.
 
-use super::ray_tree::TreePath;
-use crate::lane_set::Element;
+use super::tree_path::TreePath;
+use crate::{
+    InteriorList,
+    interior_list::InteriorLists,
+    lane_set::{Element, LaneSet},
+    medium_tracker::RayMedia,
+    wavefront::streams::{append, times},
+};
 use rt_geometry::{RayStream, StreamArray};
-use rt_math::{Interval, Ray, Rgb};
+use rt_math::{Interval, Ray, Rgb, Vector3};
 
 /// Rays of paths, one array for each number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TreeStream<E: Element> {
     pub(super) rays: RayStream,
-    /// Index of the camera ray.
-    pub(super) sample: StreamArray<u32>,
+    /// Index of the branch of the ray tree.
+    pub(super) branch: StreamArray<u32>,
     /// Bounces so far.
     pub(super) depth: StreamArray<u32>,
     /// Weight of its radiance in the pixel.
     pub(super) weight: [StreamArray<E>; 3],
+    /// Media around the rays; not written in scenes without refraction.
+    pub(super) media: StreamArray<RayMedia>,
 }
 
 impl<E: Element> TreeStream<E> {
@@ -30,11 +38,11 @@ impl<E: Element> TreeStream<E> {
         self.rays.clear();
     }
 
-    /// Replaces the rays by camera rays, each of its own sample. `rays` is an unspecified stream afterwards.
+    /// Replaces the rays by camera rays, each of its own branch. `rays` is an unspecified stream afterwards.
     pub(super) fn start(&mut self, rays: &mut RayStream) {
         core::mem::swap(&mut self.rays, rays);
-        for (sample, number) in self.sample.as_mut_slice().iter_mut().zip(0..) {
-            *sample = number;
+        for (branch, number) in self.branch.as_mut_slice().iter_mut().zip(0..) {
+            *branch = number;
         }
         self.depth.as_mut_slice().fill(0);
         for weight in &mut self.weight {
@@ -42,12 +50,42 @@ impl<E: Element> TreeStream<E> {
         }
     }
 
+    /// Lets all rays start in these media: one list for all of them, or one for each; none for air.
+    pub(super) fn start_in(&mut self, surroundings: &[InteriorList], lists: &mut InteriorLists) {
+        let mut ranges = surroundings.iter().map(|list| lists.push(list)).collect::<Vec<_>>().into_iter().cycle();
+        for media in self.media.as_mut_slice() {
+            *media = RayMedia::new(ranges.next().unwrap_or_default());
+        }
+    }
+
+    /// Appends rays of some lanes, one bounce after those of `paths` from index `at` on, and on the same branches. In scenes without
+    /// refraction, that is all.
+    #[inline(always)]
+    pub(super) fn push_lanes<L: LaneSet<Element = E>>(
+        &mut self,
+        lanes: L,
+        mask: u8,
+        rays: [Vector3<L::D>; 2],
+        weight: Vector3<L::F>,
+        (paths, at, has_time): (&Self, usize, bool),
+    ) {
+        let end = self.len();
+        let time = times(lanes, &paths.rays, at, has_time);
+        append(lanes, &mut self.rays, mask, rays, (lanes.splat_f64(f64::INFINITY), time));
+        lanes.compress_vector(weight, mask, &mut self.weight, end);
+        let mut depth = *paths.depth.vector(at);
+        depth.iter_mut().for_each(|depth| *depth = depth.wrapping_add(1));
+        lanes.compress_u32(&depth, mask, self.depth.vector_mut(end));
+        lanes.compress_u32(paths.branch.vector(at), mask, self.branch.vector_mut(end));
+    }
+
     #[inline(always)]
     pub(super) fn push(&mut self, ray: &Ray, span: Interval, path: &TreePath) {
         let at = self.len();
         self.rays.push(ray, span);
-        self.sample.set(at, path.sample);
+        self.branch.set(at, path.branch);
         self.depth.set(at, path.depth);
+        self.media.set(at, path.media);
         let ([r, g, b], weight) = (&mut self.weight, path.weight);
         r.set(at, E::rounded(weight.r));
         g.set(at, E::rounded(weight.g));
@@ -56,7 +94,8 @@ impl<E: Element> TreeStream<E> {
 
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> TreePath {
-        TreePath { sample: self.sample.get(at), depth: self.depth.get(at), weight: self.weight(at) }
+        let [branch, depth] = [self.branch.get(at), self.depth.get(at)];
+        TreePath { branch, depth, weight: self.weight(at), media: self.media.get(at) }
     }
 
     #[inline(always)]

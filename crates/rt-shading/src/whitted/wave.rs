@@ -1,14 +1,28 @@
-//! Waves of rays: one of each ray tree.
+//! Waves of rays: all rays of the ray trees of a batch after the same number of bounces.
+//!
+//! ```text
+//!   camera ray ───● mirror ───● glass ─── mirrored ray: the same branch
+//!                              ╲───────── refracted ray: a branch of its own
+//! ```
+//!
+//! A surface that spawns one ray continues a branch of its ray tree. Each branch has at most one ray in a wave. The sum of a branch is
+//! that of its surfaces in their order, then that of the branches that start there, the last one first. It thus does not depend on the
+//! rest of the wave.
 
-use super::{counts::ShadingCounts, inputs::TreeInputs, lane_phong::LanePhong, ray_tree::RayTree, streams::TreeStream};
+use super::{counts::ShadingCounts, inputs::TreeInputs, lane_phong::LanePhong, streams::TreeStream};
 use crate::{
     InteriorList, LaneLevel, RadianceSample,
+    interior_list::{InteriorLists, ListRange},
     lane_set::Element,
+    medium_tracker::MediumTracker,
     stream_queries::{StreamPrimitive, StreamQueries, StreamShape},
-    wavefront::{gathered_shapes::GatheredShapes, streams::DeltaStreams},
+    wavefront::{
+        gathered_shapes::GatheredShapes,
+        streams::{DeltaStreams, batch_size},
+    },
 };
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
-use rt_math::{Interval, Rgb};
+use rt_math::Rgb;
 
 /// Camera rays, the media around the camera, and the radiance of the rays.
 pub(super) struct TreeBatch<'a> {
@@ -25,9 +39,23 @@ pub(super) struct TreeStreams<E: Element> {
     refracted: TreeStream<E>,
     hits: HitStream,
     pub(super) spawned: SpawnedRays<E>,
+    /// Radiance of each branch; none beyond the last one.
+    radiance: Vec<RadianceSample>,
+    /// Stack of refracted rays that wait, and behind it empty streams.
+    waiting: Vec<WaitingRays<E>>,
+    n_waiting: usize,
 }
 
-/// Rays that the hits of a wave spawn, and the state of samples.
+/// Refracted rays that wait until all rays are shaded that the mirrored ones of their wave lead to. There are too many for one wave.
+#[derive(Clone, Debug, Default)]
+struct WaitingRays<E: Element> {
+    rays: TreeStream<E>,
+    /// Numbers of branches, and of entries of interior lists, when they began to wait.
+    n_branches: usize,
+    n_entries: usize,
+}
+
+/// Rays that the hits of a wave spawn, and the state of ray trees.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SpawnedRays<E: Element> {
     /// Rays of the next wave, by kind.
@@ -35,9 +63,16 @@ pub(super) struct SpawnedRays<E: Element> {
     pub(super) refracted: TreeStream<E>,
     /// Shadow rays by light.
     pub(super) lights: DeltaStreams<E>,
-    pub(super) trees: Vec<RayTree>,
-    /// Samples whose path has ended in this wave, in scenes that defer rays.
-    pub(super) ended: Vec<u32>,
+    /// Rays of a wave for whose shadow rays there is space.
+    max_rays: usize,
+    /// By branch: the one from which it starts. Those of the camera rays come first, and start from none.
+    parents: Vec<u32>,
+    /// Interior lists of the rays.
+    pub(super) lists: InteriorLists,
+    /// Media of the ray whose hit is shaded.
+    pub(super) media: MediumTracker,
+    /// Media before and behind the hits that are shaded together.
+    pub(super) sides: [[ListRange; 2]; 8],
     /// Rays whose hits are shaded in lanes.
     pub(super) in_lanes: RaySet,
     /// Absorption of the media before the hits that are shaded together, per world unit, where they absorb.
@@ -91,64 +126,130 @@ impl<E: Element> TreeStreams<E> {
         batch: TreeBatch<'_>,
     ) {
         let TreeBatch { rays, surroundings, seen } = batch;
-        seen.fill(RadianceSample::MISS);
-        self.spawned.start(inputs, (rays.len(), surroundings));
-        self.refracted.clear();
-        self.reflected.start(rays);
+        let n_samples = seen.len();
+        self.start(inputs, rays, surroundings);
         let mut first_kind = RayKind::Primary;
-        while !self.reflected.is_empty() || !self.refracted.is_empty() {
-            let Self { reflected, refracted, hits, spawned } = self;
+        loop {
+            let Self { reflected, refracted, hits, spawned, radiance, .. } = self;
+            let most_branches = spawned.parents.len() + STREAM_CAPACITY;
+            if radiance.len() < most_branches {
+                radiance.resize(most_branches, RadianceSample::MISS);
+            }
             for (paths, kind) in [(&*reflected, first_kind), (&*refracted, RayKind::Refraction)] {
                 if !paths.is_empty() {
                     world.closest_stream(&paths.rays, kind, hits);
-                    spawned.group(inputs, &*world, (paths, hits), seen);
-                    E::run(level, ShadeTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen });
+                    spawned.group(inputs, &*world, (paths, hits), radiance);
+                    E::run(
+                        level,
+                        ShadeTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen: radiance },
+                    );
                 }
             }
             first_kind = RayKind::Reflection;
-            for light in &mut spawned.lights.streams {
-                if inputs.phongs.has_shadow_media {
-                    let scene = (&inputs.settings.features, inputs.appearance.materials.as_slice());
-                    let interior = |sample: u32| &spawned.trees[sample as usize].media.interior;
-                    light.trace_through_media(world, scene, interior, &mut spawned.counts);
-                } else {
-                    light.trace(world);
-                }
-                light.add_unblocked(|radiance| radiance, seen);
+            if inputs.phongs.has_shadow_media {
+                spawned.trace_shadow_media(inputs, world, [reflected, refracted]);
+            } else {
+                spawned.lights.streams.iter_mut().for_each(|light| light.trace(world));
             }
-            self.next_wave();
+            for light in &mut spawned.lights.streams {
+                light.add_unblocked(|radiance| radiance, radiance);
+            }
+            if !self.next_wave(n_samples) {
+                break;
+            }
+        }
+        for (seen, radiance) in seen.iter_mut().zip(&mut self.radiance) {
+            *seen = core::mem::replace(radiance, RadianceSample::MISS);
         }
     }
 
-    /// Starts the next wave, with deferred rays of samples whose path has ended.
-    fn next_wave(&mut self) {
+    /// Starts with camera rays in these media.
+    fn start(&mut self, inputs: &TreeInputs<'_>, rays: &mut RayStream, surroundings: &[InteriorList]) {
         let Self { reflected, refracted, spawned, .. } = self;
-        for &sample in &spawned.ended {
-            if let Some((ray, path)) = spawned.trees[sample as usize].pop() {
-                spawned.refracted.push(&ray, Interval::SPAWNED, &path);
-            }
+        let n_lights = inputs.appearance.lights.len();
+        spawned.max_rays = batch_size(n_lights).max(rays.len());
+        spawned.lights.start(n_lights, spawned.max_rays);
+        spawned.parents.clear();
+        spawned.parents.extend(0..rays.len() as u32);
+        refracted.clear();
+        reflected.start(rays);
+        if inputs.settings.features.refraction {
+            spawned.lists.truncate(0);
+            reflected.start_in(surroundings, &mut spawned.lists);
         }
-        spawned.ended.clear();
-        for (wave, next) in [(reflected, &mut spawned.reflected), (refracted, &mut spawned.refracted)] {
+    }
+
+    /// Starts the next wave. Returns false after the last one.
+    fn next_wave(&mut self, n_samples: usize) -> bool {
+        let Self { reflected, refracted, spawned, waiting, n_waiting, .. } = self;
+        for (wave, next) in [(&mut *reflected, &mut spawned.reflected), (&mut *refracted, &mut spawned.refracted)] {
             wave.clear();
             core::mem::swap(wave, next);
         }
+        if reflected.len() + refracted.len() > spawned.max_rays {
+            if *n_waiting == waiting.len() {
+                waiting.push(WaitingRays::default());
+            }
+            let last = &mut waiting[*n_waiting];
+            core::mem::swap(&mut last.rays, refracted);
+            (last.n_branches, last.n_entries) = (spawned.parents.len(), spawned.lists.len());
+            *n_waiting += 1;
+        }
+        if !(reflected.is_empty() && refracted.is_empty()) {
+            return true;
+        }
+        let Some(last) = n_waiting.checked_sub(1) else {
+            self.end_branches(n_samples);
+            return false;
+        };
+        *n_waiting = last;
+        let WaitingRays { n_branches, n_entries, .. } = waiting[last];
+        spawned.lists.truncate(n_entries);
+        core::mem::swap(&mut waiting[last].rays, refracted);
+        self.end_branches(n_branches);
+        true
+    }
+
+    /// Adds the radiance of the branches from this one on to those that they start from, the last one first, and removes them.
+    fn end_branches(&mut self, first: usize) {
+        let Self { spawned: SpawnedRays { parents, .. }, radiance, .. } = self;
+        for branch in (first..parents.len()).rev() {
+            let ended = core::mem::replace(&mut radiance[branch], RadianceSample::MISS);
+            radiance[parents[branch] as usize].radiance += ended.radiance;
+        }
+        parents.truncate(first);
     }
 }
 
 impl<E: Element> SpawnedRays<E> {
-    /// Makes space for lights and samples.
-    fn start(&mut self, inputs: &TreeInputs<'_>, (n_samples, surroundings): (usize, &[InteriorList])) {
-        self.lights.start(inputs.appearance.lights.len(), n_samples);
-        if self.trees.len() < n_samples {
-            self.trees.resize_with(n_samples, RayTree::default);
-        }
-        if inputs.settings.features.refraction {
-            let air = InteriorList::default();
-            let mut surroundings = surroundings.iter().cycle();
-            for tree in &mut self.trees[..n_samples] {
-                tree.restart(surroundings.next().unwrap_or(&air));
+    /// Starts a branch from another one.
+    #[inline(always)]
+    pub(super) fn start_branch(&mut self, parent: u32) -> u32 {
+        self.parents.push(parent);
+        self.parents.len() as u32 - 1
+    }
+
+    /// Traces shadow rays in scenes with media that these pass. They start in the media of the rays of the wave.
+    fn trace_shadow_media<W: StreamQueries>(
+        &mut self,
+        inputs: &TreeInputs<'_>,
+        world: &mut W,
+        wave: [&TreeStream<E>; 2],
+    ) {
+        let mut ranges = vec![ListRange::default(); self.parents.len()];
+        for paths in wave {
+            for at in 0..paths.len() {
+                ranges[paths.branch.get(at) as usize] = paths.media.get(at).interior;
             }
+        }
+        let interior = |branch: u32| {
+            let mut interior = InteriorList::default();
+            self.lists.read(ranges[branch as usize], &mut interior);
+            interior
+        };
+        let scene = (&inputs.settings.features, inputs.appearance.materials.as_slice());
+        for light in &mut self.lights.streams {
+            light.trace_through_media(world, scene, interior, &mut self.counts);
         }
     }
 
@@ -179,21 +280,10 @@ impl<E: Element> SpawnedRays<E> {
             }
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
-            match &mut world.surface(&ray, hits, at, needs) {
-                Some(hit) => {
-                    let seen = &mut seen[paths.sample.get(at) as usize];
-                    self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
-                }
-                None => self.end_path(inputs, paths.sample.get(at)),
+            if let Some(hit) = &mut world.surface(&ray, hits, at, needs) {
+                let seen = &mut seen[paths.branch.get(at) as usize];
+                self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
             }
-        }
-    }
-
-    /// Ends the path of a sample: its last deferred ray is next.
-    #[inline(always)]
-    pub(super) fn end_path(&mut self, inputs: &TreeInputs<'_>, sample: u32) {
-        if inputs.settings.features.refraction {
-            self.ended.push(sample);
         }
     }
 }

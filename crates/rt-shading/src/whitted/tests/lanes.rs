@@ -5,8 +5,8 @@ use crate::{
     Background, ColorTexture, DeltaLight, DeltaLightKind, Falloff, Highlight, InteriorMedium, LightUnits, Material,
     Phong, Texture, TextureId, Transmission,
     wavefront::test_world::{
-        Rendered, ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_at_all_levels, camera_rays,
-        in_streams, shares_of_differences,
+        Rendered, ShapeWorld, TestPrimitive, TestShape, assert_close, assert_same_at_all_levels, assert_same_bits,
+        camera_rays, in_streams, shares_of_differences,
     },
 };
 use rt_geometry::Sphere;
@@ -198,10 +198,9 @@ fn checkered_triangles_are_shaded_with_interpolated_normals() {
     assert_close(&expected, &found, 1e-12, 0, "checkered triangles");
 }
 
-/// Regression: a deferred ray continued with the distance up to which absorption was accounted for of the ray that had just left the
-/// scene.
+/// Regression: a refracted ray continued with the distance up to which absorption was accounted for of the mirrored ray.
 #[test]
-fn a_deferred_ray_in_tinted_glass_does_not_know_of_fog_that_the_mirrored_ray_has_passed() {
+fn a_refracted_ray_in_tinted_glass_does_not_know_of_fog_that_the_mirrored_ray_has_passed() {
     let mut appearance = appearance(1.0);
     let is_absorbing = |material: &Material| material.interior.is_some_and(|medium| !medium.absorption.is_black());
     appearance.materials.retain(is_absorbing);
@@ -264,6 +263,39 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
             let context = format!("{n_rays} rays, {features:?}");
             assert_same_at_all_levels(|level| view.in_lanes(level, &mut world), &context);
         }
+    }
+}
+
+/// Glass whose surfaces all spawn two rays, for trees with more rays than a wave has space for.
+fn glass(n_lights: usize) -> Appearance {
+    let mut appearance = all_materials();
+    let spawns_two = |material: &Material| {
+        material.interior.is_some_and(|medium| medium.ior > 1.0) && material.to_phong().transmission.is_some()
+    };
+    appearance.materials.retain(spawns_two);
+    appearance.lights = lights().into_iter().cycle().take(n_lights).collect();
+    appearance
+}
+
+#[test]
+fn the_radiance_of_a_ray_depends_on_no_other_ray() {
+    // From 65 lights on, waves have space for fewer rays.
+    for (n_lights, batch) in [(0, 256), (2, 256), (65, 248), (300, 48), (300, 5)] {
+        let appearance = glass(n_lights);
+        let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
+        let rays = camera_rays(1000, 1.0);
+        let mut render = |size: usize| -> Rendered {
+            let mut whitted = Whitted::new(6, 1e-6, ShadingFeatures::ALL);
+            let seen = rays.chunks(size).flat_map(|rays| {
+                in_streams(rays, |_, rays, seen| whitted.radiance_of_stream(&mut world, &appearance, rays, seen))
+            });
+            (seen.collect(), whitted.take_counts())
+        };
+        let (alone, expected) = render(1);
+        let (together, counts) = render(batch);
+        assert_same_bits(&alone, &together, &format!("{n_lights} lights"));
+        assert_eq!(counts.without_lanes(), expected.without_lanes(), "{n_lights} lights");
+        assert!(counts.refractions > 2000, "{counts:?}");
     }
 }
 
