@@ -11,8 +11,11 @@ use crate::{
     simd::vectorize,
 };
 
-/// Samples that are computed side by side.
-const LANES: usize = 16;
+/// Samples that are computed side by side: enough for the compiler to make loops of vector instructions.
+const MANY_LANES: usize = 64;
+
+/// Samples that are computed side by side where there are fewer.
+const FEW_LANES: usize = 16;
 
 /// Smallest group that is drawn in lanes; fewer are faster one by one.
 const MIN_LANES: usize = 4;
@@ -160,12 +163,20 @@ impl Replication {
     fn draw_positions(&self, positions: &mut [[f64; 2]]) {
         let Self { pattern, pixel, key, index, .. } = *self;
         let last = pattern.period() - 1;
+        let many = if pattern.has_digits() { 0 } else { positions.len() / MANY_LANES * MANY_LANES };
+        let (many, few) = positions.split_at_mut(many);
+        let first_of_few = index + many.len() as u32;
         vectorize(
             #[inline(always)]
             || {
-                for (group, first) in positions.chunks_mut(LANES).zip((index..).step_by(LANES)) {
-                    let drawn = Coordinates::draw(&pattern, &SampleLanes::<LANES>::positions(key, pixel, first, last));
-                    match <&mut [_; LANES]>::try_from(&mut *group) {
+                for (group, first) in many.chunks_exact_mut(MANY_LANES).zip((index..).step_by(MANY_LANES)) {
+                    let samples = SampleLanes::<MANY_LANES>::positions(key, pixel, first, last);
+                    group.copy_from_slice(&Coordinates::draw_without_digits(&pattern, &samples));
+                }
+                for (group, first) in few.chunks_mut(FEW_LANES).zip((first_of_few..).step_by(FEW_LANES)) {
+                    let drawn =
+                        Coordinates::draw(&pattern, &SampleLanes::<FEW_LANES>::positions(key, pixel, first, last));
+                    match <&mut [_; FEW_LANES]>::try_from(&mut *group) {
                         Ok(group) => *group = drawn,
                         Err(_) => group.copy_from_slice(&drawn[..group.len()]),
                     }
@@ -252,7 +263,7 @@ impl SampleStream {
 
 /// Batch of draws, by the rules of [`Sampler::next_1d_batch`]. Samples of one pattern that follow each other share lanes.
 fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], values: &mut [C]) {
-    let mut samples = SampleLanes::<LANES>::EMPTY;
+    let mut samples = SampleLanes::<MANY_LANES>::EMPTY;
     let mut pattern = Pattern::new(SamplerKind::Centre, 1);
     let draws = which.len().min(values.len());
     let (mut which, mut values) = (&which[..draws], &mut values[..draws]);
@@ -262,7 +273,7 @@ fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], valu
             let Some(sampler) = samplers.get_mut(index as usize) else { break };
             if count == 0 {
                 pattern = sampler.pattern;
-            } else if count == LANES || sampler.pattern != pattern {
+            } else if count == MANY_LANES || sampler.pattern != pattern {
                 break;
             }
             samples.keys[count] = sampler.key;
@@ -273,12 +284,18 @@ fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], valu
         }
         let group;
         (group, values) = core::mem::take(&mut values).split_at_mut(count);
-        if count < MIN_LANES {
-            for (lane, value) in group.iter_mut().enumerate() {
-                *value = draw_one(&pattern, &samples.lane(lane));
-            }
+        if count == MANY_LANES && !pattern.has_digits() {
+            group.copy_from_slice(&draw_many(&pattern, &samples));
         } else {
-            group.copy_from_slice(&draw_lanes(&pattern, &samples)[..count]);
+            for (few, first) in group.chunks_mut(FEW_LANES).zip((0..).step_by(FEW_LANES)) {
+                if few.len() < MIN_LANES {
+                    for (value, lane) in few.iter_mut().zip(first..) {
+                        *value = draw_one(&pattern, &samples.lanes(lane));
+                    }
+                } else {
+                    few.copy_from_slice(&draw_few(&pattern, &samples.lanes(first))[..few.len()]);
+                }
+            }
         }
         if count == 0 {
             // Keep the value of a sampler that does not exist.
@@ -289,8 +306,16 @@ fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], valu
     }
 }
 
-/// Coordinates of samples side by side.
-fn draw_lanes<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<LANES>) -> [C; LANES] {
+/// Coordinates of many samples of a pattern that is not drawn digit by digit.
+fn draw_many<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<MANY_LANES>) -> [C; MANY_LANES] {
+    vectorize(
+        #[inline(always)]
+        || C::draw_without_digits(pattern, samples),
+    )
+}
+
+/// Coordinates of a few samples.
+fn draw_few<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<FEW_LANES>) -> [C; FEW_LANES] {
     vectorize(
         #[inline(always)]
         || C::draw(pattern, samples),

@@ -38,6 +38,10 @@ pub(crate) trait Coordinates: Copy {
 
     /// The coordinates of each sample, in `[0, 1)`.
     fn draw<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [Self; N];
+
+    /// Version of [`draw`](Self::draw) for patterns that are not [drawn digit by digit](Pattern::has_digits), which takes less time to
+    /// compile.
+    fn draw_without_digits<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [Self; N];
 }
 
 impl Coordinates for f64 {
@@ -45,16 +49,23 @@ impl Coordinates for f64 {
 
     #[inline(always)]
     fn draw<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [f64; N] {
+        match pattern.kind {
+            SamplerKind::Halton => samples.halton_coordinates(pattern.spp, 0),
+            SamplerKind::BlueNoise => {
+                let pairs = samples.blue_noise_pairs(pattern.spp);
+                lanes(|lane| pairs[lane][0])
+            }
+            _ => Self::draw_without_digits(pattern, samples),
+        }
+    }
+
+    #[inline(always)]
+    fn draw_without_digits<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [f64; N] {
         let Pattern { kind, spp, .. } = *pattern;
         match kind {
             SamplerKind::Sobol => {
-                let pairs = sobol::pairs(&samples.sobol_seeds(), &samples.indices, &samples.draw_last_pair());
+                let pairs = samples.sobol_pairs();
                 lanes(|lane| pairs[lane][samples.dimensions[lane] as usize % 2])
-            }
-            SamplerKind::Halton => samples.halton_coordinates(spp, 0),
-            SamplerKind::BlueNoise => {
-                let pairs = samples.blue_noise_pairs(spp);
-                lanes(|lane| pairs[lane][0])
             }
             SamplerKind::Centre | SamplerKind::Random => {
                 let bits = samples.noise(&samples.dimension_keys(0));
@@ -75,12 +86,19 @@ impl Coordinates for [f64; 2] {
     #[inline(always)]
     fn draw<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [[f64; 2]; N] {
         match pattern.kind {
-            SamplerKind::Sobol => sobol::pairs(&samples.sobol_seeds(), &samples.indices, &samples.draw_last_pair()),
             SamplerKind::Halton => {
                 let [x, y] = [0, 1].map(|axis| samples.halton_coordinates(pattern.spp, axis));
                 lanes(|lane| [x[lane], y[lane]])
             }
             SamplerKind::BlueNoise => samples.blue_noise_pairs(pattern.spp),
+            _ => Self::draw_without_digits(pattern, samples),
+        }
+    }
+
+    #[inline(always)]
+    fn draw_without_digits<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [[f64; 2]; N] {
+        match pattern.kind {
+            SamplerKind::Sobol => samples.sobol_pairs(),
             _ => pattern.arranged_pairs(samples),
         }
     }
@@ -90,6 +108,11 @@ impl Pattern {
     pub(crate) const fn new(kind: SamplerKind, spp: u32) -> Self {
         let spp = kind.round_up(spp);
         Self { kind, spp, side: grid_side(spp) }
+    }
+
+    /// True for patterns that are drawn digit by digit.
+    pub(crate) const fn has_digits(&self) -> bool {
+        matches!(self.kind, SamplerKind::Halton | SamplerKind::BlueNoise)
     }
 
     /// Dimension from which on coordinates are drawn, where `dimension` follows the last ones.
@@ -163,14 +186,17 @@ impl<const N: usize> SampleLanes<N> {
         Self { keys: [key; N], indices, dimensions: [0; N], pixels: [pixel; N] }
     }
 
-    /// One of the samples.
-    pub(crate) const fn lane(&self, lane: usize) -> SampleLanes<1> {
-        SampleLanes {
-            keys: [self.keys[lane]],
-            indices: [self.indices[lane]],
-            dimensions: [self.dimensions[lane]],
-            pixels: [self.pixels[lane]],
+    /// `M` of the samples, from one on.
+    #[inline(always)]
+    pub(crate) fn lanes<const M: usize>(&self, first: usize) -> SampleLanes<M> {
+        let mut some = SampleLanes::EMPTY;
+        for lane in 0..M {
+            some.keys[lane] = self.keys[first + lane];
+            some.indices[lane] = self.indices[first + lane];
+            some.dimensions[lane] = self.dimensions[first + lane];
+            some.pixels[lane] = self.pixels[first + lane];
         }
+        some
     }
 
     /// Random bits for all samples of a replication, in the dimension `offset` after the first.
@@ -186,16 +212,13 @@ impl<const N: usize> SampleLanes<N> {
         lanes(|lane| mix(dimension_keys[lane].wrapping_add(mix(u64::from(self.indices[lane]).wrapping_add(1)))))
     }
 
-    /// Random bits for the set of four dimensions.
+    /// Pairs of Sobol' points, each of the first or the last two dimensions of a set of four.
     #[inline(always)]
-    fn sobol_seeds(&self) -> [u32; N] {
-        lanes(|lane| (mix(self.keys[lane] ^ u64::from(self.dimensions[lane] / sobol::SET)) >> 32) as u32)
-    }
-
-    /// True for samples that draw from the last two dimensions of their set.
-    #[inline(always)]
-    fn draw_last_pair(&self) -> [bool; N] {
-        lanes(|lane| self.dimensions[lane] % sobol::SET >= 2)
+    fn sobol_pairs(&self) -> [[f64; 2]; N] {
+        // Random bits for the set.
+        let seeds = lanes(|lane| (mix(self.keys[lane] ^ u64::from(self.dimensions[lane] / sobol::SET)) >> 32) as u32);
+        let draws_last_pair = lanes(|lane| self.dimensions[lane] % sobol::SET >= 2);
+        sobol::pairs(&seeds, &self.indices, &draws_last_pair)
     }
 
     /// Halton coordinates in the dimension `offset` after the first. The number of digits differs between dimensions, so lanes
