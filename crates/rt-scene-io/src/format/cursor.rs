@@ -60,7 +60,7 @@ impl<'t> Cursor<'t> {
         Self::walk(text, byte, |_, _, _| {})
     }
 
-    /// Version of [`before`](Self::before) that visits the name and position of each field and map entry.
+    /// Version of [`before`](Self::before) that visits the name and position of each field, map entry, and choice with parentheses.
     pub(super) fn walk(text: &'t str, byte: usize, mut visit: impl FnMut(&Self, &'t str, usize)) -> Self {
         let mut cursor = Self { brackets: Vec::new(), last: None, last_token: TokenClass::Start };
         let mut word: Option<Range<usize>> = None;
@@ -73,6 +73,9 @@ impl<'t> Cursor<'t> {
             match text.as_bytes()[token.start] {
                 bracket @ (b'(' | b'[' | b'{') => {
                     let named = word.take().filter(|_| bracket == b'(');
+                    if let Some(word) = &named {
+                        visit(&cursor, &text[word.clone()], word.start);
+                    }
                     let start = named.as_ref().map_or(token.start, |word| word.start);
                     let name = named.map(|word| &text[word]);
                     cursor.brackets.push(OpenBracket {

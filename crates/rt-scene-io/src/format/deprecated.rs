@@ -5,11 +5,11 @@ use crate::Warning;
 use crate::error::times;
 use crate::excerpt::Position;
 
-/// An earlier spelling of a field, or of a choice for a field.
+/// An earlier spelling of a field, of a choice for a field, or of a choice with a value.
 struct Deprecated {
-    /// Fields or choices that have the field.
+    /// Fields or choices that have the field; empty for a choice with a value, which is known everywhere but in a map of names.
     parents: &'static [&'static str],
-    /// Field of the choice; `None` if the spelling is that of a field.
+    /// Field of the choice; `None` if the spelling is that of a field or of a choice with a value.
     choice_of: Option<&'static str>,
     old: &'static str,
     new: &'static str,
@@ -21,7 +21,10 @@ const DELTA_LIGHTS: &[&str] = &["point", "directional", "spot"];
 /// Lights with a radiance.
 const AREA_LIGHTS: &[&str] = &["quad", "disk", "sphere", "cylinder"];
 
-const DEPRECATED: [Deprecated; 26] = [
+/// Fields whose values have names of the user's choice.
+const MAPS: &[&str] = &["materials", "groups"];
+
+const DEPRECATED: [Deprecated; 28] = [
     field(&["quad", "disk", "light", "phong"], "shines", "emission_sides"),
     field(&["point"], "lamp_radius", "shadow_near"),
     field(&["settings"], "depth", "max_depth"),
@@ -42,21 +45,35 @@ const DEPRECATED: [Deprecated; 26] = [
     field(AREA_LIGHTS, "color", "radiance"),
     field(AREA_LIGHTS, "colour", "radiance"),
     field(&["sphere", "disk"], "centre", "center"),
-    choice("integrator", "caustics", "path_caustics"),
-    choice("integrator", "ao", "ambient_occlusion"),
-    choice("sampler", "center", "centre"),
-    choice("accel", "wide", "bvh8"),
-    choice("accel", "spheres", "sphere_tree"),
-    choice("accel", "cylinders", "cylinder_tree"),
+    field(&[], "grey", "gray"),
+    choice(&["settings"], "integrator", "caustics", "path_caustics"),
+    choice(&["settings"], "integrator", "ao", "ambient_occlusion"),
+    choice(&["settings"], "sampler", "center", "centre"),
+    choice(&["settings"], "accel", "wide", "bvh8"),
+    choice(&["settings"], "accel", "spheres", "sphere_tree"),
+    choice(&["settings"], "accel", "cylinders", "cylinder_tree"),
+    choice(&["metal"], "metal", "aluminum", "aluminium"),
 ];
 
 const fn field(parents: &'static [&'static str], old: &'static str, new: &'static str) -> Deprecated {
     Deprecated { parents, choice_of: None, old, new }
 }
 
-/// Spelling of a choice for a field of `settings`.
-const fn choice(field: &'static str, old: &'static str, new: &'static str) -> Deprecated {
-    Deprecated { parents: &["settings"], choice_of: Some(field), old, new }
+/// Spelling of a choice for a field.
+const fn choice(
+    parents: &'static [&'static str],
+    field: &'static str,
+    old: &'static str,
+    new: &'static str,
+) -> Deprecated {
+    Deprecated { parents, choice_of: Some(field), old, new }
+}
+
+impl Deprecated {
+    /// True if the spelling is deprecated for this parent.
+    fn is_below(&self, parent: &str) -> bool {
+        if self.parents.is_empty() { !MAPS.contains(&parent) } else { self.parents.contains(&parent) }
+    }
 }
 
 /// Present spellings of a deprecated field: several if parents differ, none for all other words.
@@ -73,7 +90,7 @@ fn choice_after(text: &str, key: usize) -> (usize, &str) {
     (text.len() - value.len(), &value[..end])
 }
 
-/// True if the word occurs before or after a colon, or next to a comment, and not only as part of a longer word.
+/// True if the word occurs next to a colon or a comment, or before a parenthesis, and not only as part of a longer word.
 fn has_word(text: &str, word: &str) -> bool {
     let is_mark = |byte: u8| matches!(byte, b':' | b'/');
     text.match_indices(word).any(|(start, _)| {
@@ -84,7 +101,7 @@ fn has_word(text: &str, word: &str) -> bool {
         let last = before.iter().rfind(|byte| !is_blank(byte));
         !is_part(before.last())
             && !is_part(after.first())
-            && [last, next].into_iter().flatten().any(|&byte| is_mark(byte))
+            && ([last, next].into_iter().flatten().any(|&byte| is_mark(byte)) || next == Some(&b'('))
     })
 }
 
@@ -94,7 +111,7 @@ pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
     // Most scenes have none, and a search is faster than the scanner.
     let may_be_in = |spelling: &Deprecated| {
         let mut around = spelling.choice_of.as_slice().iter().chain(spelling.parents);
-        around.any(|word| text.contains(word)) && has_word(text, spelling.old)
+        (spelling.parents.is_empty() || around.any(|word| text.contains(word))) && has_word(text, spelling.old)
     };
     if !DEPRECATED.iter().any(may_be_in) {
         return Vec::new();
@@ -107,7 +124,7 @@ pub(super) fn warnings(text: &str, file: &str) -> Vec<Warning> {
                 Some(_) => continue,
             };
             if word == spelling.old
-                && matches!(cursor.container().last(), Some(Key::Name(parent)) if spelling.parents.contains(parent))
+                && matches!(cursor.container().last(), Some(Key::Name(parent)) if spelling.is_below(parent))
             {
                 let (_, count) = found.get_or_insert((at, 0));
                 *count += 1;
@@ -198,6 +215,35 @@ mod tests {
         }
     }
 
+    /// They were read without a warning. Materials and groups may have any name.
+    #[test]
+    fn undocumented_words_for_grey_and_aluminium_are_read_with_a_warning_each() {
+        let grey = "the spelling `grey` is deprecated: write `gray`";
+        let aluminum = "the spelling `aluminum` is deprecated: write `aluminium`";
+        for (text, old, new, expected) in [
+            ("(nodes: [(material: diffuse(albedo: grey(0.5)))])", "grey", "gray", Some(grey)),
+            ("(nodes: [], background: constant( grey (0.5)))", "grey", "gray", Some(grey)),
+            ("(nodes: [], lights: [ambient(grey(0.5))])", "grey", "gray", Some(grey)),
+            (r#"{"nodes": [], "lights": [{"ambient": {"grey": 0.5}}]}"#, "grey", "gray", Some(grey)),
+            (r#"{"nodes": [], "materials": {"m": {"phong": {"diffuse": {"grey": 0.5}}}}}"#, "grey", "gray", Some(grey)),
+            (r#"(nodes: [], materials: {"grey": mirror()}, groups: {"grey": [()]})"#, "", "", None),
+            (r#"{"nodes": [], "materials": {"grey": {"mirror": {}}}, "groups": {"grey": []}}"#, "", "", None),
+            ("(nodes: [(material: metal(metal: aluminum))])", "aluminum", "aluminium", Some(aluminum)),
+            (r#"{"nodes": [{"material": {"metal": {"metal": "aluminum"}}}]}"#, "aluminum", "aluminium", Some(aluminum)),
+        ] {
+            let parsed = |text: &str| match text.starts_with('{') {
+                true => parse_json(text, Path::new("s.json")).unwrap_or_else(|error| panic!("{error}")),
+                false => parse_ron(text, Path::new("s.ron")).unwrap_or_else(|error| panic!("{error}")),
+            };
+            let read = parsed(text);
+            let messages: Vec<&str> = read.warnings.iter().map(|warning| &*warning.message).collect();
+            assert_eq!(messages, Vec::from_iter(expected), "{text}");
+            let present = parsed(&text.replace(old, new));
+            assert!(present.warnings.is_empty() || old.is_empty(), "{text}");
+            assert_eq!(SceneFile { warnings: Vec::new(), ..read }, present);
+        }
+    }
+
     /// The message said that the documented field was given twice.
     #[test]
     fn a_field_under_both_of_its_names_is_one_field() {
@@ -238,7 +284,7 @@ mod tests {
     #[test]
     fn parts_of_words_are_no_words() {
         use super::has_word;
-        for text in ["(depth: 3)", "{\"depth\" : 3}", "integrator:depth,", "depth/* c */: 3"] {
+        for text in ["(depth: 3)", "{\"depth\" : 3}", "integrator:depth,", "depth/* c */: 3", "constant(depth (3))"] {
             assert!(has_word(text, "depth"), "{text}");
         }
         for text in ["max_depth: 3", "depths: 3", "(\"depth\", 3)", "depth of field, (fov: 3)", ""] {
