@@ -111,7 +111,7 @@ pub enum Material {
         /// Part of the light that is reflected diffusely.
         ///
         /// Unit: fraction of the light.
-        #[serde(default = "gray::<0>")]
+        #[serde(default = "gray::<0>", alias = "color", alias = "colour")]
         diffuse: ColorTexture,
         /// Part of the light along the normal that the highlight reflects.
         ///
@@ -147,7 +147,7 @@ pub enum Material {
         /// Fraction of the light that is left after it passes through the surface.
         ///
         /// Unit: fraction of the light.
-        #[serde(default = "gray::<100>")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         transmittance: ColorTexture,
         /// Absorption inside per unit of length: light falls by exp(−absorption · length).
         ///
@@ -216,7 +216,7 @@ pub enum Material {
         /// Fraction of the light that is left after it crosses the pane once along the normal.
         ///
         /// Unit: fraction of the light.
-        #[serde(default = "gray::<100>")]
+        #[serde(default = "gray::<100>", alias = "color", alias = "colour")]
         transmittance: ColorTexture,
     },
     /// An emitter without reflection.

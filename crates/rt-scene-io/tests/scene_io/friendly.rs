@@ -236,7 +236,7 @@ fn hints_name_fields_that_the_material_has() {
         ("mirror(rough: 0.5)", "in mirror; known are `reflectance`"),
         ("thin_glass(rough: 0.5)", "in thin_glass; known are `ior`, `transmittance`"),
         ("glossy(eta: 1.5)", "in glossy; known are `diffuse`"),
-        ("thin_glass(color: 1)", "did you mean `transmittance`?"),
+        ("thin_glass(albedo: 1)", "did you mean `transmittance`?"),
         ("metallic_roughness(metalness: 1)", "did you mean `metallic`?"),
     ] {
         let said = said(&format!("(materials: {{\"m\": {material}}}, nodes: [])"));
