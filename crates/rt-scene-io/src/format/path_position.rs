@@ -136,6 +136,13 @@ mod tests {
         }
     }
 
+    /// The position was that of the list.
+    #[test]
+    fn elements_that_are_choices_begin_at_their_names() {
+        assert_eq!(at("(lights: [ambient(1), ambient(-1)])", "lights[1]"), Some("ambient(-1)])"));
+        assert_eq!(at("(transform: [translate(1, 0, 0), scale(0)])", "transform[1]"), Some("scale(0)])"));
+    }
+
     #[test]
     fn json_has_the_same_paths() {
         let json = r#"{"nodes": [{"shape": {"sphere": {"radius": 1}}}, {"material": "m"}]}"#;
