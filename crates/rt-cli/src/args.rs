@@ -25,7 +25,7 @@ pub(crate) use aov::{Aov, AovArg, AovContent, LayerList};
 pub(crate) use checkpoint::CheckpointArgs;
 pub(crate) use compare::{CompareArgs, HeatMapOf, Metric};
 pub(crate) use converge::{ConvergeArgs, ReferenceKind, Variation};
-pub(crate) use default_command::with_default_command;
+pub(crate) use default_command::parse;
 pub(crate) use frames::{FrameChoice, Frames, FramesArgs};
 pub(crate) use image::{AdaptiveChoice, DevelopmentArgs, ImageArgs, ViewArgs};
 pub(crate) use input::InputArgs;

@@ -57,12 +57,9 @@ mod stdin;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 fn main() -> ExitCode {
     signals::report_file_size_limit();
-    let arguments = args::with_default_command(std::env::args_os());
-    let result = match args::Cli::try_parse_from(arguments) {
+    let result = match args::parse(std::env::args_os()) {
         Ok(cli) => commands::run(cli),
         Err(error) if error.use_stderr() => error.exit(),
         // A help page or the version. clap ignores that it cannot be written.

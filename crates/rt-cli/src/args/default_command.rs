@@ -3,7 +3,9 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-use clap::CommandFactory;
+use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Error, Parser};
 
 use super::Cli;
 use crate::stdin::is_dash;
@@ -11,20 +13,34 @@ use crate::stdin::is_dash;
 /// Options of the program itself.
 const OWN: [&str; 5] = ["-h", "--help", "-V", "--version", "--limits"];
 
+/// Advice if options are given without a scene and a command.
+const NO_SCENE: &str =
+    "add a scene, such as `rt-cli scene.ron [OPTIONS]`; only `rt-cli` without options renders a built-in scene";
+
+/// Parses a command line. The program's name is its first word.
+pub(crate) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Cli, Error> {
+    let arguments: Vec<OsString> = arguments.collect();
+    let has_leading_option = arguments.get(1).is_some_and(|first| is_option(first));
+    Cli::try_parse_from(with_default_command(arguments)).map_err(|mut error| {
+        if has_leading_option && error.kind() == ErrorKind::MissingRequiredArgument {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![StyledStr::from(NO_SCENE)]));
+        }
+        error
+    })
+}
+
 /// Inserts `render` if the first argument is a file or an option instead of a command. The program's name precedes it.
 ///
 /// Words that may be mistyped commands are left to the parser, which suggests the nearest one.
-pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
-    let mut arguments: Vec<OsString> = arguments.collect();
+fn with_default_command(mut arguments: Vec<OsString>) -> Vec<OsString> {
     let [_, first, rest @ ..] = arguments.as_slice() else { return arguments };
     if first == "help" {
         arguments.remove(1);
         arguments.push("--help".into());
         return arguments;
     }
-    let is_option = |word: &OsStr| word.as_encoded_bytes().starts_with(b"-") && !is_dash(Path::new(word));
     let renders = if is_option(first) {
-        // Options of `render` may come before the scene. Without a scene, `render` says that it is missing.
+        // Options of `render` may come before the scene.
         let is_own = OWN.iter().any(|own| first == own);
         let command = Cli::command();
         let is_command = |word: &OsString| command.get_subcommands().any(|command| word == command.get_name());
@@ -36,6 +52,10 @@ pub(crate) fn with_default_command(arguments: impl Iterator<Item = OsString>) ->
         arguments.insert(1, OsString::from("render"));
     }
     arguments
+}
+
+fn is_option(word: &OsStr) -> bool {
+    word.as_encoded_bytes().starts_with(b"-") && !is_dash(Path::new(word))
 }
 
 /// True for `-`, for paths with an extension or several components, and for existing files.
@@ -51,7 +71,7 @@ mod tests {
     #[test]
     fn a_file_in_place_of_a_command_is_rendered() {
         let line = |line: &str| {
-            let words = with_default_command(line.split(' ').map(OsString::from));
+            let words = with_default_command(line.split(' ').map(OsString::from).collect());
             words.join(OsStr::new(" ")).into_string().expect("text")
         };
         for rendered in
@@ -74,5 +94,17 @@ mod tests {
         assert_eq!(line("rt-cli"), "rt-cli");
         assert_eq!(line("rt-cli help render"), "rt-cli render --help");
         assert_eq!(line("rt-cli help"), "rt-cli --help");
+    }
+
+    /// The message named the missing SCENE only, although `rt-cli` alone needs none.
+    #[test]
+    fn options_without_a_scene_get_advice() {
+        let message = |line: &str| parse(line.split(' ').map(OsString::from)).expect_err(line).to_string();
+        for line in ["rt-cli --size 64x40", "rt-cli -q --spp 4"] {
+            assert!(message(line).contains(NO_SCENE), "{}", message(line));
+        }
+        for line in ["rt-cli render", "rt-cli --size 64", "rt-cli view --spp 4"] {
+            assert!(!message(line).contains(NO_SCENE), "{}", message(line));
+        }
     }
 }
