@@ -27,16 +27,24 @@ use crate::error::{CliError, usage};
 use crate::input;
 use crate::progress::ProgressDisplay;
 use crate::signals;
+use crate::stdin::is_dash;
 
 pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
     let clock = Clock::start(args.run.time);
     let console = Console { quiet: args.run.quiet };
     let image = args.fixed.with(&[]).map_err(CliError::Usage)?;
-    methods::refuse_conflicts(args)?;
+    // Wrong options are reported before files are read.
+    let choices = methods::parse(args)?;
+    if args.reference_kind == Some(ReferenceKind::Reference) && args.reference.is_none() {
+        return usage("--reference-kind reference requires --reference FILE");
+    }
+    if args.output.as_deref().is_some_and(is_dash) {
+        return usage("--output - is not supported: `converge` writes several files into a directory");
+    }
     let input = input::read(&args.input, Some(&image), console)?;
     let scene = &input.scene;
     input::print_notes(scene, console)?;
-    let mut methods = methods::resolve(args, &input)?;
+    let mut methods = methods::resolve(args, &choices, &input)?;
     let kind = reference_kind(args, scene, &image)?;
     let Some(first) = methods.first() else { return usage("there is no method") };
     let development = first.scene.film.development;
@@ -105,7 +113,6 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
         Some(ReferenceKind::Truth) if is_other_view => refuse(
             "truth: the declared mean holds for the view of the scene only; remove options such as --crop and --look-from",
         ),
-        Some(ReferenceKind::Reference) if args.reference.is_none() => refuse("reference requires --reference FILE"),
         Some(kind) => Ok(kind),
         None if args.reference.is_some() => Ok(ReferenceKind::Reference),
         None if scene.truth.is_some() && !is_other_view => Ok(ReferenceKind::Truth),

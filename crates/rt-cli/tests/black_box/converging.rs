@@ -274,3 +274,21 @@ fn invalid_experiments_are_refused_before_rendering() {
     );
     insta::assert_snapshot!("refused", said);
 }
+
+/// The missing file was reported first, and the option after it was found.
+#[test]
+fn wrong_options_are_reported_before_a_missing_scene() {
+    let place = place();
+    for options in [
+        "--vary adaptive=on",
+        "--vary adaptive",
+        "--vary sampler=random --vary sampler=sobol",
+        "--vary sampler=random --sampler sobol",
+        "--reference-kind reference",
+        "-o -",
+    ] {
+        let arguments = format!("converge missing.ron {options}");
+        let run = place.run(&arguments);
+        assert!(run.code == Some(2) && !run.stderr.contains("missing.ron"), "{options}: {run:?}");
+    }
+}

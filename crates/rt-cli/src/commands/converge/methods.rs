@@ -5,7 +5,7 @@ use rt_render::{PlanOptions, RenderPlan};
 use rt_scene_io::Scene;
 use serde::Serialize;
 
-use crate::args::{ConvergeArgs, Variation};
+use crate::args::{ConvergeArgs, ImageArgs, Variation};
 use crate::error::{CliError, usage};
 use crate::input::Input;
 use crate::settings;
@@ -32,15 +32,17 @@ pub(super) struct MethodName {
     pub(super) depth: u32,
 }
 
-/// Refuses options that are given both with one value and with several.
-pub(super) fn refuse_conflicts(args: &ConvergeArgs) -> Result<(), CliError> {
-    args.vary.iter().find(|vary| args.fixed.contains(&vary.key)).map_or(Ok(()), |Variation { key, .. }| {
-        usage(format!("--vary {key} conflicts with --{key}; remove one of them"))
-    })
+/// Values of a method, and the options of its image.
+pub(super) struct Choices<'a> {
+    values: Vec<(&'a str, &'a str)>,
+    image: ImageArgs,
 }
 
-/// Resolves all methods, and checks that each can be rendered.
-pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>, CliError> {
+/// Parses the options of all methods.
+pub(super) fn parse(args: &ConvergeArgs) -> Result<Vec<Choices<'_>>, CliError> {
+    if let Some(Variation { key, .. }) = args.vary.iter().find(|vary| args.fixed.contains(&vary.key)) {
+        return usage(format!("--vary {key} conflicts with --{key}; remove one of them"));
+    }
     let keys: Vec<&str> = args.vary.iter().map(|vary| vary.key.as_str()).collect();
     if let Some(twice) = keys.iter().enumerate().find(|(index, key)| keys[..*index].contains(key)) {
         return usage(format!("--vary {} is given twice; list all values at once, such as {0}=A,B,C", twice.1));
@@ -49,7 +51,16 @@ pub(super) fn resolve(args: &ConvergeArgs, input: &Input) -> Result<Vec<Method>,
     if count.is_none_or(|count| count > MAX_METHODS) {
         return usage(format!("--vary has more than {MAX_METHODS} combinations; vary fewer values"));
     }
-    combinations(&args.vary).iter().map(|choices| Method::new(args, input, choices)).collect()
+    let parsed = combinations(&args.vary).into_iter().map(|values| match args.fixed.with(&values) {
+        Ok(image) => Ok(Choices { values, image }),
+        Err(message) => usage(format!("--vary: {message}")),
+    });
+    parsed.collect()
+}
+
+/// Resolves all methods, and checks that each can be rendered.
+pub(super) fn resolve(args: &ConvergeArgs, choices: &[Choices<'_>], input: &Input) -> Result<Vec<Method>, CliError> {
+    choices.iter().map(|choices| Method::new(args, input, choices)).collect()
 }
 
 /// Cartesian product; the last key varies fastest.
@@ -63,17 +74,16 @@ fn combinations(vary: &[Variation]) -> Vec<Vec<(&str, &str)>> {
 }
 
 impl Method {
-    fn new(args: &ConvergeArgs, input: &Input, choices: &[(&str, &str)]) -> Result<Self, CliError> {
-        let image = args.fixed.with(choices).map_err(|message| CliError::Usage(format!("--vary: {message}")))?;
+    fn new(args: &ConvergeArgs, input: &Input, Choices { values, image }: &Choices<'_>) -> Result<Self, CliError> {
         let Input { scene, environment, options: loaded, .. } = input;
         let (development, memory) = (Some(&args.development), loaded.memory.limit());
-        let (mut scene, options) = settings::resolve(scene.clone(), &image, development, environment.as_ref(), memory)?;
+        let (mut scene, options) = settings::resolve(scene.clone(), image, development, environment.as_ref(), memory)?;
         let settings = &mut scene.settings;
         settings.spp = args.spp.0[0];
         // The spread comes from the seeds; passes would weaken the sample pattern.
         settings.passes.get_or_insert(1);
         let [integrator, sampler] = [settings.integrator.name(), settings.pattern.name()];
-        let choices: Vec<_> = choices.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let choices: Vec<_> = values.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let label = if choices.is_empty() { format!("{integrator}, {sampler}") } else { label(&choices) };
         let (accel, depth) = (settings.accel.name(), settings.depth);
         let name = MethodName { label, choices, integrator, sampler, accel, depth };

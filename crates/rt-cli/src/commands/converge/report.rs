@@ -14,10 +14,9 @@ use super::runner::Experiment;
 use super::summary::{Precision, Summary, TRUSTED};
 use super::table;
 use crate::args::{ConvergeArgs, ReferenceKind, name_of};
-use crate::error::{CliError, usage};
+use crate::error::CliError;
 use crate::output_error::OutputError;
 use crate::output_file::OutputFile;
-use crate::stdin::is_dash;
 
 /// Output directory and files.
 #[derive(Debug)]
@@ -45,9 +44,6 @@ impl Drop for CreatedFolder {
 impl Outputs {
     /// Creates the directory if it is missing, and checks that the files are writable.
     pub(super) fn prepare(folder: &Path, inputs: &[PathBuf]) -> Result<Self, CliError> {
-        if is_dash(folder) {
-            return usage("--output - is not supported: `converge` writes several files into a directory");
-        }
         let mut created = None;
         if !folder.is_dir() {
             if folder.exists() {
