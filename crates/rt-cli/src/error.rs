@@ -92,6 +92,10 @@ pub(crate) enum CliError {
         /// Its checkpoint, or the reason why there is none.
         checkpoint: Option<Result<SavedCheckpoint, String>>,
     },
+    /// An interrupt within a render of `converge`, which reports [`MeasurementInterrupted`](Self::MeasurementInterrupted) instead.
+    #[error("interrupted during a render")]
+    RenderInterrupted,
+    /// An interrupt of `converge`.
     #[error("interrupted after {measured} of {planned} sample counts; {}", measurements(*measured, folder))]
     MeasurementInterrupted { measured: usize, planned: usize, folder: PathBuf },
     /// A panic in a worker thread.
@@ -159,7 +163,9 @@ impl CliError {
             Self::Interrupted { .. } | Self::NothingFinished { .. } | Self::MeasurementInterrupted { .. } => {
                 INTERRUPTED_EXIT_CODE
             }
-            Self::InterruptedLoading { .. } | Self::InterruptedBetweenFrames => INTERRUPTED_EXIT_CODE,
+            Self::InterruptedLoading { .. } | Self::InterruptedBetweenFrames | Self::RenderInterrupted => {
+                INTERRUPTED_EXIT_CODE
+            }
         })
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
         None => {
             let max_spp = args.spp.0[args.spp.0.len() - 1];
             match split_reference::render(&mut runner, &methods, max_spp, planned) {
-                Err(CliError::Interrupted { .. }) => {
+                Err(CliError::RenderInterrupted) => {
                     runner.close();
                     return Err(interrupted(0));
                 }

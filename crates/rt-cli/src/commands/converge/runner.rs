@@ -107,12 +107,7 @@ impl<'a> BenchRunner<'a> {
         let cpu_seconds = started.elapsed().as_secs_f64();
         let rendering = rendering.map_err(failed)?;
         if rendering.stopped == Stopped::Interrupted {
-            // `converge` reports the interrupt by the number of measurements.
-            return Err(CliError::Interrupted {
-                after: "a part of a render".to_owned(),
-                image: None,
-                checkpoint: None,
-            });
+            return Err(CliError::RenderInterrupted);
         }
         let statistics = &rendering.statistics;
         self.samples += statistics.samples;
@@ -246,7 +241,7 @@ pub(super) fn run(
                 let started = runner.clock.elapsed();
                 let seed = first_seeds[index].wrapping_add(number.into());
                 let timed = match runner.render(method, spp, seed) {
-                    Err(CliError::Interrupted { .. }) => {
+                    Err(CliError::RenderInterrupted) => {
                         (experiment.is_interrupted, is_complete) = (true, false);
                         break 'wave;
                     }
