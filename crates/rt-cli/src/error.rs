@@ -72,10 +72,13 @@ pub(crate) enum CliError {
     },
     /// An interrupt before the first sample.
     #[error(
-        "interrupted while the scene was loaded: no image was written{}",
-        if *has_frames { "; --resume continues the frames that are not finished" } else { "" }
+        "interrupted while the scene was loaded: no image was written; {}",
+        if *has_frames { "--resume continues the frames that are not finished" } else { "run the command again" }
     )]
-    InterruptedLoading { has_frames: bool },
+    InterruptedLoading {
+        /// True if this run has finished frames.
+        has_frames: bool,
+    },
     /// An interrupt after the previous frame was finished.
     #[error("interrupted before it was begun; --resume continues the frames that are not finished")]
     InterruptedBetweenFrames,
@@ -223,5 +226,19 @@ fn difference(metric: &str, value: &str, threshold: f64, non_finite: u64) -> Str
         0 => format!("{metric} is {value}, the threshold is {threshold}"),
         1 => "1 pixel is NaN or infinite in one image and different in the other".to_owned(),
         n => format!("{n} pixels are NaN or infinite in one image and different in the other"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The message on the first frame named --resume, although there was nothing to resume.
+    #[test]
+    fn interrupts_before_the_first_frame_do_not_advise_to_resume() {
+        let message = |has_frames| CliError::InterruptedLoading { has_frames }.in_frame(4).to_string();
+        let start = "frame 4: interrupted while the scene was loaded: no image was written; ";
+        assert_eq!(message(false), format!("{start}run the command again"));
+        assert_eq!(message(true), format!("{start}--resume continues the frames that are not finished"));
     }
 }

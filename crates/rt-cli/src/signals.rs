@@ -28,8 +28,8 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static GUARDS: AtomicUsize = AtomicUsize::new(0);
 /// True in a render that has not had a guard, and before each frame.
 static IS_BEFORE_RENDER: AtomicBool = AtomicBool::new(false);
-/// Frame that is rendered next.
-static NEXT_FRAME: Mutex<Option<u32>> = Mutex::new(None);
+/// Frame that is rendered next, and whether earlier ones are finished.
+static NEXT_FRAME: Mutex<Option<(u32, bool)>> = Mutex::new(None);
 
 /// Signals only set a flag while the guard lives, except for a second SIGINT half a second after the first.
 pub(crate) fn guard() -> SignalGuard {
@@ -45,9 +45,9 @@ pub(crate) fn end_render_on_signals() {
     install_once();
 }
 
-/// Version of [`end_render_on_signals`] whose message names the frame.
-pub(crate) fn end_frame_on_signals(frame: u32) {
-    *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame);
+/// Version of [`end_render_on_signals`] whose message names the frame. `has_frames` is true if earlier frames are finished.
+pub(crate) fn end_frame_on_signals(frame: u32, has_frames: bool) {
+    *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner) = Some((frame, has_frames));
     end_render_on_signals();
 }
 
@@ -103,11 +103,10 @@ fn end() -> ! {
 fn interrupt() {
     if GUARDS.load(Ordering::Relaxed) == 0 {
         if IS_BEFORE_RENDER.load(Ordering::Relaxed) {
-            let frame = *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner);
-            let error = CliError::InterruptedLoading { has_frames: frame.is_some() };
-            print_error(&match frame {
-                Some(frame) => error.in_frame(frame),
-                None => error,
+            let next = *NEXT_FRAME.lock().unwrap_or_else(PoisonError::into_inner);
+            print_error(&match next {
+                Some((frame, has_frames)) => CliError::InterruptedLoading { has_frames }.in_frame(frame),
+                None => CliError::InterruptedLoading { has_frames: false },
             });
         }
         end();

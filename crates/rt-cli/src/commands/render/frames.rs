@@ -32,7 +32,7 @@ pub(super) fn each(
     if frames.is_single() {
         // A single frame has no frame log.
         return frames.indices().filter(|frame| spec.holds(*frame as usize)).try_for_each(|frame| {
-            signals::end_frame_on_signals(frame);
+            signals::end_frame_on_signals(frame, false);
             say(frame, at(frame))?;
             render(&of_frame(args, frame)).map(drop).map_err(|error| error.in_frame(frame))
         });
@@ -46,8 +46,8 @@ pub(super) fn each(
         refuse_checkpoints(args, own, &mut files)?;
     }
     let mut saving = None;
-    for frame in frames.indices().filter(|frame| spec.holds(*frame as usize)) {
-        signals::end_frame_on_signals(frame);
+    for (count, frame) in frames.indices().filter(|frame| spec.holds(*frame as usize)).enumerate() {
+        signals::end_frame_on_signals(frame, count > 0);
         drop(saving.take());
         if signals::is_interrupted() {
             // The signal came when the previous frame was finished.
