@@ -4,6 +4,7 @@
 //! error, angles are in degrees, +y is up, and cameras look along −z. [`resolve`](crate::resolve) defines what the
 //! numbers mean.
 
+mod advice;
 mod animation;
 mod camera;
 mod color;

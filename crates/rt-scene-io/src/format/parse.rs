@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use super::advice::{Explainer, ParseError};
 use super::expected::Notation;
 use super::named_fields::NamedFields;
-use super::parse_error::{Explainer, ParseError};
 use super::ron_options::ron_options;
 use super::{SceneFile, deprecated};
 use crate::excerpt::{Excerpt, Position};
