@@ -10,6 +10,10 @@ use crate::console::print;
 use crate::error::CliError;
 use crate::memory;
 
+/// Limits of integrators, which are constants of rt-shading (`interior_list.rs`, `hit_context.rs`).
+const RENDERING: [[&str; 2]; 2] =
+    [["dielectrics around a point", "32"], ["null interfaces in a row, before each costs a bounce", "1024"]];
+
 pub(super) fn run() -> Result<(), CliError> {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -25,6 +29,9 @@ pub(super) fn run() -> Result<(), CliError> {
     for limit in limits::ALL {
         let flag = limit.flag.unwrap_or_default();
         table.add_row([limit.what, &limit.max.to_string(), limit.applies_to, flag]);
+    }
+    for [what, max] in RENDERING {
+        table.add_row([what, max, "every scene and model", ""]);
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
     table.add_row(["pixels of an input image", &read, "compare, develop", ""]);

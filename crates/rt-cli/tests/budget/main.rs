@@ -261,8 +261,15 @@ fn the_default_is_a_share_of_what_there_is() {
     let wrong = place.run("render scene.ron --memory 12parsecs");
     assert_eq!(wrong.code, Some(2), "{wrong:?}");
     let table = place.succeed("--limits").stdout;
-    for row in ["predicted memory", "size of a file", "nesting of brackets", "pixels of a texture", "bounces of a ray"]
-    {
+    for row in [
+        "predicted memory",
+        "size of a file",
+        "nesting of brackets",
+        "pixels of a texture",
+        "bounces of a ray",
+        "dielectrics around a point",
+        "null interfaces in a row",
+    ] {
         assert!(table.lines().any(|line| line.trim_start().starts_with(row)), "{row} in {table}");
     }
     let of = |row: &str| table.lines().find(|line| line.trim_start().starts_with(row)).unwrap_or_default().to_owned();
