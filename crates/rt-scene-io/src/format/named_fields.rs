@@ -1,17 +1,22 @@
-//! Deserializer that reads structs from maps only.
+//! Deserializer that reads structs from maps only, and choices without values from their names only.
 //!
 //! The visitors that serde derives also take the fields of a struct from a sequence, in order of declaration. `serde_json` offers
 //! them arrays. That order is no part of the format.
 
 use std::fmt;
 
-use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, VariantAccess, Visitor};
+use serde::de::{
+    DeserializeSeed, Deserializer, EnumAccess, Error, IgnoredAny, MapAccess, SeqAccess, VariantAccess, Visitor,
+};
 
 /// Version of a deserializer, or of a part of one, that refuses a sequence in place of a struct.
 pub(super) struct NamedFields<T>(pub(super) T);
 
 /// Reads the fields of a struct variant.
 struct FieldsOf<V>(V);
+
+/// Reads the value of a choice that takes none. `serde_json` offers one for `{"box": null}`, and none for `"box"`.
+struct ValueOf<'a>(&'a mut bool);
 
 macro_rules! forward_deserialize {
     ($($method:ident($($argument:ident: $type:ty),*))*) => {
@@ -146,6 +151,15 @@ impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for FieldsOf<V> {
     }
 }
 
+impl<'de> DeserializeSeed<'de> for ValueOf<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
+        *self.0 = true;
+        from.deserialize_ignored_any(IgnoredAny).map(drop)
+    }
+}
+
 impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for NamedFields<A> {
     type Error = A::Error;
 
@@ -187,7 +201,9 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for NamedFields<A> {
     type Error = A::Error;
 
     fn unit_variant(self) -> Result<(), A::Error> {
-        self.0.unit_variant()
+        let mut has_value = false;
+        let read = self.0.newtype_variant_seed(ValueOf(&mut has_value));
+        if has_value { read.and(Err(Error::custom("value of a unit variant, expected none"))) } else { Ok(()) }
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, A::Error> {

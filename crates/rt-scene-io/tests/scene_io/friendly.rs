@@ -199,7 +199,7 @@ const MISTAKES: &[(&str, &str)] = &[
     (r#"{"nodes": [{"shape": }]}"#, "expected a value"),
 ];
 
-/// Messages that advised what was written, or what was refused next.
+/// Messages that advised what was written, or what was refused next. Null as the value of a choice was accepted.
 #[test]
 fn advice_on_choices_can_be_followed() {
     for (text, words) in [
@@ -221,6 +221,8 @@ fn advice_on_choices_can_be_followed() {
         (r#"{"film": {"filter": {"gaussian": {}}}, "nodes": []}"#, "expected a number for `gaussian`, found {}"),
         (r#"{"film": {"filter": {"box": {}}}, "nodes": []}"#, "`box` takes no value: write \"box\""),
         (r#"{"settings": {"integrator": {"path": {}}}, "nodes": []}"#, "`path` takes no value: write \"path\""),
+        (r#"{"film": {"filter": { "box" : null } }, "nodes": []}"#, "`box` takes no value: write \"box\" instead of"),
+        (r#"{"nodes": [{"material": {"metal": {"metal": {"gold": null}}}}]}"#, "`gold` takes no value: write \"gold\""),
     ] {
         assert!(said(text).contains(words), "{text}\n{words}\n{}", said(text));
     }
