@@ -66,8 +66,9 @@ layers! {
     Roughness = "roughness", ["V"];
     /// Emitted radiance.
     Emission = "emission", ["R", "G", "B"];
-    /// Texture coordinates of surfaces with textures. Those of others are zero, as plans leave them out.
-    Uv = "uv", ["U", "V"];
+    /// Texture coordinates of surfaces with textures. Those of others are zero, as plans leave them out. The third channel is that of
+    /// [`Coverage`](Self::Coverage): Blender reads three.
+    Uv = "uv", ["U", "V", "A"];
     /// Number of the shape or mesh of a node, from 1; 0 for none. All instances of a group have those of its nodes. All numbers
     /// are those of the first sample that hits a surface.
     ObjectId = "object_id", ["V"];

@@ -158,11 +158,11 @@ impl PixelSums {
             FirstHitLayer::Albedo => self.albedo.to_array()[channel] / n,
             FirstHitLayer::Roughness => self.roughness / n,
             FirstHitLayer::Emission => self.emission.to_array()[channel] / n,
-            FirstHitLayer::Uv => self.uv[channel] / n,
+            FirstHitLayer::Uv if channel < 2 => self.uv[channel] / n,
             FirstHitLayer::ObjectId => f64::from(self.ids[0]),
             FirstHitLayer::MaterialId => f64::from(self.ids[1]),
             FirstHitLayer::InstanceId => f64::from(self.ids[2]),
-            FirstHitLayer::Coverage => n / f64::from(samples),
+            FirstHitLayer::Uv | FirstHitLayer::Coverage => n / f64::from(samples),
         };
         value as f32
     }

@@ -9,7 +9,7 @@ use crate::program::Workplace;
 
 const CHANNELS: &str = "R, G, B, albedo.R, albedo.G, albedo.B, coverage.V, depth.Z, emission.R, emission.G, emission.B, \
     geometric_normal.X, geometric_normal.Y, geometric_normal.Z, instance_id.V, material_id.V, normal.X, normal.Y, normal.Z, \
-    object_id.V, position.X, position.Y, position.Z, roughness.V, samples.V, stderr.R, stderr.G, stderr.B, uv.U, uv.V";
+    object_id.V, position.X, position.Y, position.Z, roughness.V, samples.V, stderr.R, stderr.G, stderr.B, uv.A, uv.U, uv.V";
 
 /// Names by number, as OpenImageIO prints them.
 const OBJECTS: &str = r#"objects: "[null,"ball"]""#;
@@ -48,7 +48,7 @@ fn open_image_io_reads_names_values_and_attributes() {
         String::from_utf8(output.stdout).expect("text")
     };
     let info = oiio(&["--info", "-v", "layers.exr"]);
-    assert!(info.contains("9 x    9, 30 channel, float openexr"), "{info}");
+    assert!(info.contains("9 x    9, 31 channel, float openexr"), "{info}");
     assert!(info.contains(&format!("channel list: {CHANNELS}\n")), "{info}");
     for attribute in
         ["renderer: \"rt ", "scene: \"s\"", "seed: \"7\"", "spp: \"8\"", "sceneHash: \"", OBJECTS, MATERIALS]
