@@ -104,7 +104,7 @@ impl InstanceGeometry {
     }
 
     /// True if it has its own acceleration structure.
-    pub(crate) fn is_structure(&self) -> bool {
+    pub(crate) fn is_accelerator(&self) -> bool {
         matches!(self.static_geometry(), Self::Mesh(..) | Self::Group(..))
     }
 
@@ -126,7 +126,7 @@ pub(crate) struct Animated {
 #[derive(Debug)]
 pub(crate) struct Aggregate {
     pub(crate) instances: Vec<Instance>,
-    pub(crate) structure: AnyAccelerator,
+    pub(crate) accelerator: AnyAccelerator,
     /// True if each instance is one primitive and its index identifies a hit. The accelerator can then intersect its own
     /// copies of triangles.
     pub(crate) is_flat: bool,
@@ -363,7 +363,7 @@ impl Instances<'_> {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let ray = to_local(ray, transform.as_deref());
-                let hit = group.structure.closest(&inner, &ray, span, probe)?;
+                let hit = group.accelerator.closest(&inner, &ray, span, probe)?;
                 Some(group.with_instance(hit, index))
             }
             InstanceGeometry::Animated(animated) => self.closest_on_animated((index, animated), ray, span, probe),
@@ -395,7 +395,7 @@ impl Instances<'_> {
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
-                group.structure.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
+                group.accelerator.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
             }
             InstanceGeometry::Animated(animated) => self.occluded_by_animated(animated, ray, span, probe),
         }
@@ -418,7 +418,7 @@ impl Instances<'_> {
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = to_local_batch(rays, transform.as_deref());
-                group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
+                group.accelerator.closest_batch(&group.set(self.levels), &rays, hits, probe);
                 hits.iter_mut().flatten().for_each(|hit| *hit = group.with_instance(*hit, index));
             }
             InstanceGeometry::Animated(animated) => {
@@ -449,7 +449,7 @@ impl Instances<'_> {
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = to_local_batch(rays, transform.as_deref());
-                group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
+                group.accelerator.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
             }
             InstanceGeometry::Animated(animated) => {
                 let rays = to_local_animated(rays, animated);
@@ -505,7 +505,7 @@ impl Primitives for Instances<'_> {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
             InstanceGeometry::Shape(Shape::Plane(plane)) => BatchKernel::Plane(*plane),
             InstanceGeometry::Triangle(triangle) => triangle.mesh.batch_kernel(triangle.index),
-            geometry if geometry.is_structure() => BatchKernel::Instance,
+            geometry if geometry.is_accelerator() => BatchKernel::Instance,
             _ => BatchKernel::Single,
         }
     }

@@ -67,14 +67,14 @@ impl RenderPlan<'_> {
     /// Renders a tile; counts the work of accelerators if `count` is true.
     pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
         let probe = WorkProbe::new(count || self.integrator_kind() == Integrator::Cost);
-        let (world, structure) = (&self.scene.world.instances(), &self.scene.world.top.structure);
-        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
+        let (world, accelerator) = (&self.scene.world.instances(), &self.scene.world.top.accelerator);
+        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, accelerator));
         let job = &TileJob { simple: simple.as_ref(), ..*job };
-        let few = self.visible_in_tile(job.tile, world, structure);
+        let few = self.visible_in_tile(job.tile, world, accelerator);
         let primary_target = match (&few, &self.frame.visible) {
             (Some(few), _) => PrimaryTarget::Tile(few),
             (None, Some(part)) => PrimaryTarget::Culled(part),
-            (None, None) => PrimaryTarget::All(structure),
+            (None, None) => PrimaryTarget::All(accelerator),
         };
         let samples = || job.pass_spec.pixels_of(job.tile).map(|pixel| job.samples_of(pixel)).collect();
         let layers = (!job.layers.is_empty()).then(|| TileLayers::new(self.layer_context(), job.layers, samples()));
@@ -87,7 +87,7 @@ impl RenderPlan<'_> {
         let lighting = self.scene.lighting();
         let materials = &self.scene.appearance.materials;
         let mut tracer =
-            SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
+            SceneTracer::new(world, accelerator, primary_target, probe).with_buffers(core::mem::take(buffers));
         tracer.layers = layers;
         let (medium, mut lists) = (&self.frame.medium, Vec::new());
         let mut result = match &self.integrator {
@@ -138,10 +138,10 @@ impl RenderPlan<'_> {
     }
 
     /// Objects in view of the tile, if their number is small.
-    fn visible_in_tile(&self, tile: Crop, world: &Instances<'_>, structure: &AnyAccelerator) -> Option<SmallSet> {
+    fn visible_in_tile(&self, tile: Crop, world: &Instances<'_>, accelerator: &AnyAccelerator) -> Option<SmallSet> {
         let Crop { x, y, width, height } = tile;
         let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
-        let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;
+        let few = frustum_cull::collect_small(world, accelerator, self.frame.visible.as_ref(), &volume)?;
         Some(match self.scene.accel.simd {
             Some(level) => few.with_level(level),
             None => few,

@@ -64,21 +64,21 @@ impl Answers {
         Self { soup, seed, rays }
     }
 
-    fn compare<A: Accelerator>(&self, name: &str, structure: &A) -> Outcome {
+    fn compare<A: Accelerator>(&self, name: &str, accelerator: &A) -> Outcome {
         let Self { soup, seed, rays } = self;
         let mut found_all = Vec::new();
         let mut n_hits = 0;
         let mut counters = Counters::default();
         for (i, Answer { query, closest, all }) in rays.iter().enumerate() {
             let Query { ray, span } = query;
-            let found = structure.closest(soup, ray, *span, &mut counters);
+            let found = accelerator.closest(soup, ray, *span, &mut counters);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
             assert_eq!(key(found), key(*closest), "{name}, seed {seed}, ray {i}: {query:?}");
-            let blocked = structure.occluded(soup, ray, *span, &mut NoProbe);
+            let blocked = accelerator.occluded(soup, ray, *span, &mut NoProbe);
             assert_eq!(blocked, closest.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
             n_hits += usize::from(blocked);
             if let Some(all) = all {
-                structure.all_hits(soup, ray, *span, &mut found_all, &mut NoProbe);
+                accelerator.all_hits(soup, ray, *span, &mut found_all, &mut NoProbe);
                 let keys = |hits: &[Hit]| hits.iter().map(|hit| key(Some(*hit))).collect::<Vec<_>>();
                 assert_eq!(keys(&found_all), keys(all), "{name}, seed {seed}, ray {i}: {query:?}");
             }
@@ -88,8 +88,8 @@ impl Answers {
     }
 }
 
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
-    Answers::new(soup.clone(), seed).compare(name, structure)
+fn compare<A: Accelerator>(name: &str, accelerator: &A, soup: &Soup, seed: u64) -> Outcome {
+    Answers::new(soup.clone(), seed).compare(name, accelerator)
 }
 
 /// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
@@ -119,9 +119,9 @@ fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Sou
     println!("{name}: seed {}", run_seed());
     let mut total = 0;
     for (scene, answers) in SCENES.iter() {
-        let structure = build(&answers.soup);
-        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &structure);
-        assert_eq!(structure.validate(&answers.soup), Ok(()), "{name}, {scene}");
+        let accelerator = build(&answers.soup);
+        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &accelerator);
+        assert_eq!(accelerator.validate(&answers.soup), Ok(()), "{name}, {scene}");
         println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
         assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
         assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");

@@ -52,11 +52,11 @@ impl LightShaft {
     pub(super) fn blocked(
         &self,
         world: &Instances<'_>,
-        structure: &AnyAccelerator,
+        accelerator: &AnyAccelerator,
         (excluded, attenuates): (u32, &impl Fn(u32) -> bool),
     ) -> Occlusion {
         let mut blocked = Occlusion::Nowhere;
-        structure.visit_overlapping(world, self, |index| {
+        accelerator.visit_overlapping(world, self, |index| {
             if attenuates(world.instances[index as usize].material) {
                 blocked = Occlusion::Somewhere;
             } else if index != excluded && world.casts_shadow(index) {

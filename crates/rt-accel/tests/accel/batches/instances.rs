@@ -22,7 +22,7 @@ struct Yard<'t, T> {
 struct Thing<'t, T> {
     soup: &'t Soup,
     /// Accelerator of an instance; without one, the only solid of the soup.
-    structure: Option<&'t T>,
+    accelerator: Option<&'t T>,
     blocks: bool,
 }
 
@@ -41,30 +41,30 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
         self.occludes_with_stats(index, ray, span, &mut NoProbe)
     }
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        let Thing { soup, structure, .. } = self.things[index as usize];
-        let hit = match structure {
-            Some(structure) => {
+        let Thing { soup, accelerator, .. } = self.things[index as usize];
+        let hit = match accelerator {
+            Some(accelerator) => {
                 self.n_single.fetch_add(1, Ordering::Relaxed);
-                structure.closest(soup, ray, span, probe)
+                accelerator.closest(soup, ray, span, probe)
             }
             None => soup.intersect(0, ray, span),
         };
         hit.map(|hit| Hit { instance: index, ..hit })
     }
     fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let Thing { soup, structure, blocks } = self.things[index as usize];
+        let Thing { soup, accelerator, blocks } = self.things[index as usize];
         blocks
-            && match structure {
-                Some(structure) => {
+            && match accelerator {
+                Some(accelerator) => {
                     self.n_single.fetch_add(1, Ordering::Relaxed);
-                    structure.occluded(soup, ray, span, probe)
+                    accelerator.occluded(soup, ray, span, probe)
                 }
                 None => soup.occludes(0, ray, span),
             }
     }
     fn batch_kernel(&self, index: u32) -> BatchKernel {
-        let Thing { soup, structure, .. } = self.things[index as usize];
-        if structure.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
+        let Thing { soup, accelerator, .. } = self.things[index as usize];
+        if accelerator.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
     }
     fn hit_ids(&self, index: u32) -> [u32; 2] {
         [index, 0]
@@ -73,14 +73,14 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
         self.things[index as usize].blocks
     }
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        let Thing { soup, structure, .. } = self.things[index as usize];
-        structure.unwrap().closest_batch(soup, rays, hits, probe);
+        let Thing { soup, accelerator, .. } = self.things[index as usize];
+        accelerator.unwrap().closest_batch(soup, rays, hits, probe);
         hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
     }
     fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        let Thing { soup, structure, blocks } = self.things[index as usize];
+        let Thing { soup, accelerator, blocks } = self.things[index as usize];
         if blocks {
-            structure.unwrap().occluded_batch(soup, rays, blocked, probe);
+            accelerator.unwrap().occluded_batch(soup, rays, blocked, probe);
         } else {
             blocked.fill(false);
         }
@@ -101,13 +101,13 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
                 Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)
             })
             .collect();
-        let structures: Vec<T> = soups.iter().map(build).collect();
+        let accelerators: Vec<T> = soups.iter().map(build).collect();
         let things = soups
             .iter()
-            .zip(&structures)
-            .map(|(soup, structure)| Thing {
+            .zip(&accelerators)
+            .map(|(soup, accelerator)| Thing {
                 soup,
-                structure: (soup.0.len() > 1 || draw.one_in(8)).then_some(structure),
+                accelerator: (soup.0.len() > 1 || draw.one_in(8)).then_some(accelerator),
                 blocks: !draw.one_in(4),
             })
             .collect();
@@ -154,9 +154,9 @@ fn packets_enter_instances_together() {
     let draw = &mut Draw::new(3);
     let place = |i: usize| DVec3::new((i % 4) as f64, 0.0, (i / 4) as f64) * 2.5;
     let soups: Vec<Soup> = (0..12).map(|i| Soup::facets(draw).moved(place(i))).collect();
-    let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
-    let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
-    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_single: AtomicU32::new(0) };
+    let accelerators: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
+    let thing = |(soup, accelerator)| Thing { soup, accelerator: Some(accelerator), blocks: true };
+    let yard = Yard { things: soups.iter().zip(&accelerators).map(thing).collect(), n_single: AtomicU32::new(0) };
     // Groups of sixteen neighbouring rays, as those of a pixel, and five more at the end.
     let eye = DVec3::new(3.7, 9.0, -6.0);
     let rays: Vec<_> = (0..16 * 400 + 5)

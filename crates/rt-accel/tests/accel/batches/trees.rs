@@ -11,7 +11,7 @@ use crate::soup::{Solid, Soup, run_seed, sheet};
 use rt_tests::Draw;
 
 /// Compares batches of all sizes with single queries.
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+fn compare<A: Accelerator>(name: &str, accelerator: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
@@ -20,10 +20,10 @@ fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize
         let rays = &rays[first..first + n];
         let mut hits = vec![None; n];
         let mut blocked = vec![false; n];
-        structure.closest_batch(soup, rays, &mut hits, &mut batched);
-        structure.occluded_batch(soup, rays, &mut blocked, &mut NoProbe);
+        accelerator.closest_batch(soup, rays, &mut hits, &mut batched);
+        accelerator.occluded_batch(soup, rays, &mut blocked, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
-            let expected = structure.closest(soup, ray, *span, &mut single);
+            let expected = accelerator.closest(soup, ray, *span, &mut single);
             assert_eq!(key(hits[i]), key(expected), "{name}, ray {}: {ray:?} {span:?}", first + i);
             assert_eq!(blocked[i], expected.is_some(), "{name}, ray {}: {ray:?} {span:?}", first + i);
             n_hits += usize::from(expected.is_some());
