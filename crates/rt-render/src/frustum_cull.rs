@@ -217,16 +217,16 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
         self.all.hit_ids(self.indices[index as usize])
     }
 
-    fn blocks(&self, index: u32) -> bool {
-        self.all.blocks(self.indices[index as usize])
+    fn casts_shadow(&self, index: u32) -> bool {
+        self.all.casts_shadow(self.indices[index as usize])
     }
 
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
         self.all.intersect_batch(self.indices[index as usize], rays, hits, probe);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        self.all.occludes_batch(self.indices[index as usize], rays, blocked, probe);
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+        self.all.occludes_batch(self.indices[index as usize], rays, occluded, probe);
     }
 
     fn geometry(&self, index: u32) -> PrimitiveGeometry {

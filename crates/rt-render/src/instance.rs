@@ -438,26 +438,26 @@ impl Instances<'_> {
         &self,
         geometry: &InstanceGeometry,
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
         match geometry {
             InstanceGeometry::Mesh(level, transform) => {
                 let rays = to_local_batch(rays, transform.as_deref());
-                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
+                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, occluded, probe);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = to_local_batch(rays, transform.as_deref());
-                group.accelerator.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
+                group.accelerator.occluded_batch(&group.set(self.levels), &rays, occluded, probe);
             }
             InstanceGeometry::Animated(animated) => {
                 let rays = to_local_animated(rays, animated);
-                self.occluded_batch_by(&animated.geometry, &rays, blocked, probe);
+                self.occluded_batch_by(&animated.geometry, &rays, occluded, probe);
             }
             InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
-                for ((ray, span), blocked) in rays.iter().zip(blocked) {
-                    *blocked = self.occluded_by(geometry, ray, *span, probe);
+                for ((ray, span), occluded) in rays.iter().zip(occluded) {
+                    *occluded = self.occluded_by(geometry, ray, *span, probe);
                 }
             }
         }
@@ -515,7 +515,7 @@ impl Primitives for Instances<'_> {
         if self.is_flat { [0, index] } else { [index, 0] }
     }
 
-    fn blocks(&self, index: u32) -> bool {
+    fn casts_shadow(&self, index: u32) -> bool {
         self.instances[index as usize].casts_shadow
     }
 
@@ -525,13 +525,13 @@ impl Primitives for Instances<'_> {
         self.closest_batch_on((index, &instance.geometry), &rays[..n], &mut hits[..n], probe);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
         let instance = &self.instances[index as usize];
         if instance.casts_shadow {
-            self.occluded_batch_by(&instance.geometry, rays, blocked, probe);
+            self.occluded_batch_by(&instance.geometry, rays, occluded, probe);
         } else {
-            let n = rays.len().min(blocked.len());
-            blocked[..n].fill(false);
+            let n = rays.len().min(occluded.len());
+            occluded[..n].fill(false);
         }
     }
 

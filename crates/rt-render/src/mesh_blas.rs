@@ -62,9 +62,9 @@ impl MeshBlas {
         &self,
         textures: &[Texture],
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
-        with_triangles!(self, textures, triangles => self.accelerator.occluded_batch(triangles, rays, blocked, probe));
+        with_triangles!(self, textures, triangles => self.accelerator.occluded_batch(triangles, rays, occluded, probe));
     }
 }

@@ -239,7 +239,7 @@ impl PixelClassifier<'_> {
             && reaching.all(|light| {
                 let shaft = LightShaft::new(patch, light);
                 !light.casts_shadows
-                    || shaft.blocked(self.world, self.accelerator, (patch.index, &attenuates)) != Occlusion::Somewhere
+                    || shaft.occluded(self.world, self.accelerator, (patch.index, &attenuates)) != Occlusion::Somewhere
             })
     }
 }

@@ -136,14 +136,14 @@ impl StreamQueries for SceneTracer<'_> {
         }
     }
 
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
+    fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]) {
         self.count(RayKind::Shadow, rays.len());
-        if self.accelerator.occluded_stream(self.world, rays, blocked, &mut self.probe) {
+        if self.accelerator.occluded_stream(self.world, rays, occluded, &mut self.probe) {
             return;
         }
         let batch = self.batch_of(rays);
-        blocked.fill(false);
-        self.accelerator.occluded_batch(self.world, &batch, blocked, &mut self.probe);
+        occluded.fill(false);
+        self.accelerator.occluded_batch(self.world, &batch, occluded, &mut self.probe);
         self.batch = batch;
     }
 

@@ -61,10 +61,10 @@ impl OcclusionWave {
             let span = Interval { max: view.reach, ..Interval::SPAWNED };
             self.rays.push(&surface.surface.spawn_ray(towards, ray.time), span);
         }
-        let mut blocked = [false; STREAM_CAPACITY];
-        let blocked = &mut blocked[..self.rays.len()];
-        world.occluded_stream(&self.rays, blocked);
-        for (sample, _) in self.samples.as_slice().iter().zip(blocked).filter(|(_, blocked)| **blocked) {
+        let mut occluded = [false; STREAM_CAPACITY];
+        let occluded = &mut occluded[..self.rays.len()];
+        world.occluded_stream(&self.rays, occluded);
+        for (sample, _) in self.samples.as_slice().iter().zip(occluded).filter(|(_, occluded)| **occluded) {
             seen[*sample as usize].radiance = Rgb::BLACK;
         }
     }

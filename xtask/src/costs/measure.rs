@@ -171,7 +171,7 @@ mod tests {
         let mut expected = Vec::new();
         first_pass(&accelerator, &scene, &set, &mut expected).unwrap();
         first_pass(&accelerator, &scene, &set, &mut expected).unwrap();
-        expected[57] = RayAnswer::Blocked;
+        expected[57] = RayAnswer::Occluded;
         assert!(first_pass(&accelerator, &scene, &set, &mut expected).is_err());
     }
 }

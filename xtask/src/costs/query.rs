@@ -25,7 +25,7 @@ impl RaySample<'_> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RayAnswer {
     Miss,
-    Blocked,
+    Occluded,
     Hit { t: u64, instance: u32, primitive: u32, uv: [u64; 2] },
 }
 
@@ -41,8 +41,8 @@ impl From<Option<Hit>> for RayAnswer {
 }
 
 impl From<bool> for RayAnswer {
-    fn from(is_blocked: bool) -> Self {
-        if is_blocked { Self::Blocked } else { Self::Miss }
+    fn from(is_occluded: bool) -> Self {
+        if is_occluded { Self::Occluded } else { Self::Miss }
     }
 }
 

@@ -50,8 +50,8 @@ impl Answers {
             let query @ Query { ray, span } = adversarial(&soup, &world, &mut draw);
             let closest = brute_force::closest(&soup, &ray, span, &mut NoProbe);
             let all = i.is_multiple_of(8).then(|| {
-                let blocked = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
-                assert_eq!(blocked, closest.is_some(), "seed {seed}, ray {i}: {query:?}");
+                let occluded = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(occluded, closest.is_some(), "seed {seed}, ray {i}: {query:?}");
                 let mut all = Vec::new();
                 linear.all_hits(&soup, &ray, span, &mut all, &mut NoProbe);
                 all
@@ -74,9 +74,9 @@ impl Answers {
             let found = accelerator.closest(soup, ray, *span, &mut counters);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
             assert_eq!(key(found), key(*closest), "{name}, seed {seed}, ray {i}: {query:?}");
-            let blocked = accelerator.occluded(soup, ray, *span, &mut NoProbe);
-            assert_eq!(blocked, closest.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
-            n_hits += usize::from(blocked);
+            let occluded = accelerator.occluded(soup, ray, *span, &mut NoProbe);
+            assert_eq!(occluded, closest.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
+            n_hits += usize::from(occluded);
             if let Some(all) = all {
                 accelerator.all_hits(soup, ray, *span, &mut found_all, &mut NoProbe);
                 let keys = |hits: &[Hit]| hits.iter().map(|hit| key(Some(*hit))).collect::<Vec<_>>();
@@ -257,12 +257,12 @@ fn linear_equals_brute_force_to_the_last_test() {
                     let [mut expected, mut counted] = [Counters::default(); 2];
                     let hit = brute_force::closest(&soup, &ray, span, &mut expected);
                     let found = linear.closest(&soup, &ray, span, &mut counted);
-                    let blocked = brute_force::occluded(&soup, &ray, span, &mut expected);
-                    let found_blocked = linear.occluded(&soup, &ray, span, &mut counted);
+                    let occluded = brute_force::occluded(&soup, &ray, span, &mut expected);
+                    let found_occluded = linear.occluded(&soup, &ray, span, &mut counted);
                     let name = format!("{} {name}, scale {scale:e}, offset {offset:e}, ray {i}", level.name());
-                    assert_eq!((found, found_blocked), (hit, blocked), "{name}: {query:?}");
+                    assert_eq!((found, found_occluded), (hit, occluded), "{name}: {query:?}");
                     assert_eq!(counted.total(), expected.total(), "{name}: {query:?}");
-                    n_hits += usize::from(blocked);
+                    n_hits += usize::from(occluded);
                     n_tested += 1;
                 }
             }

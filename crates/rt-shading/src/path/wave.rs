@@ -155,7 +155,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 } else {
                     light.trace(world);
                 }
-                light.add_unblocked(|radiance| clamp.apply(bounces + 1, radiance, counts), seen);
+                light.add_unoccluded(|radiance| clamp.apply(bounces + 1, radiance, counts), seen);
             }
             paths.clear();
             core::mem::swap(paths, &mut spawned.paths);

@@ -135,10 +135,10 @@ impl StreamQueries for ShapeWorld {
         }
     }
 
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
-        for (at, blocked) in blocked.iter_mut().enumerate() {
+    fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]) {
+        for (at, occluded) in occluded.iter_mut().enumerate() {
             let (ray, span) = rays.get(at);
-            *blocked = self.occluded(&ray, span);
+            *occluded = self.occluded(&ray, span);
         }
     }
 

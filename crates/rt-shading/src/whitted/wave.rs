@@ -152,7 +152,7 @@ impl<E: Element> TreeStreams<E> {
                 spawned.lights.streams.iter_mut().for_each(|light| light.trace(world));
             }
             for light in &mut spawned.lights.streams {
-                light.add_unblocked(|radiance| radiance, radiance);
+                light.add_unoccluded(|radiance| radiance, radiance);
             }
             if !self.next_wave(n_samples) {
                 break;

@@ -78,8 +78,8 @@ fn nothing(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let ray = Ray::new(draw.point(), draw.point() * draw.pick(&[0.0, 1.0, f64::INFINITY, f64::NAN]));
         for accelerator in &accelerators {
             let hit = accelerator.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
-            let blocked = accelerator.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
-            checks.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", accelerator.kind().name()));
+            let occluded = accelerator.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
+            checks.check(hit.is_none() && !occluded, || format!("{}: {hit:?}", accelerator.kind().name()));
         }
     });
     Ok(())

@@ -89,9 +89,9 @@ impl RayTrial<'_> {
             checks.check(key(found) == key(expected), || {
                 format!("{name}, {what}: {found:?} instead of {expected:?} for {ray:?} {span:?}")
             });
-            let blocked = accelerator.occluded(self.set, ray, span, &mut NoProbe);
-            checks.check(blocked == expected.is_some(), || {
-                format!("{name}, {what}: occluded {blocked} beside {expected:?} for {ray:?} {span:?}")
+            let occluded = accelerator.occluded(self.set, ray, span, &mut NoProbe);
+            checks.check(occluded == expected.is_some(), || {
+                format!("{name}, {what}: occluded {occluded} beside {expected:?} for {ray:?} {span:?}")
             });
             if let Some(expected) = &all_expected {
                 let found = all_hits(accelerator, self.set, ray, span);

@@ -97,8 +97,8 @@ fn stack(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let factor = draw.pick(&[0.01, 0.5, 0.99, 0.999, 1.001, 1.01, 2.0, 1e3, 1e9]);
         let towards = DVec3::new(1.0, factor * gap / to_edge, 0.0);
         let shadow = surface.spawn_shadow_ray_towards(towards, 0.0);
-        let blocked = accelerator.occluded(&set, &shadow, Interval::SPAWNED, &mut NoProbe);
-        checks.same(blocked, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
+        let occluded = accelerator.occluded(&set, &shadow, Interval::SPAWNED, &mut NoProbe);
+        checks.same(occluded, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
     });
     Ok(())
 }

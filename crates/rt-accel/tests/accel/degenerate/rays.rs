@@ -97,12 +97,12 @@ fn batches_equal_single_queries() {
     let rays: Vec<_> =
         rays_at(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), 100).into_iter().map(|ray| (ray, FORWARD)).collect();
     let mut hits = vec![None; 100];
-    let mut blocked = vec![false; 100];
+    let mut occluded = vec![false; 100];
     all.bvh().closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
-    all.bvh().occluded_batch(&soup, &rays, &mut blocked, &mut NoProbe);
+    all.bvh().occluded_batch(&soup, &rays, &mut occluded, &mut NoProbe);
     for (i, (ray, span)) in rays.iter().enumerate() {
         assert_eq!(hits[i], all.closest(&soup, ray, *span));
-        assert_eq!(blocked[i], hits[i].is_some());
+        assert_eq!(occluded[i], hits[i].is_some());
     }
 }
 
@@ -146,8 +146,8 @@ fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
                 let tree = WideBvh::build_with(&soup, &params).expect("three spheres").with_level(level);
                 let found = tree.closest(&soup, &ray, span, &mut NoProbe);
                 assert_eq!(found, expected, "{aside} of {scale}");
-                let blocked = tree.occluded(&soup, &ray, span, &mut NoProbe);
-                assert_eq!(blocked, is_hit, "{aside} of {scale}");
+                let occluded = tree.occluded(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(occluded, is_hit, "{aside} of {scale}");
             }
         }
     }

@@ -39,8 +39,8 @@ impl Accelerators {
             let found = accelerator.closest(primitives, ray, span, &mut NoProbe);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
             assert_eq!(key(found), key(expected), "{name}: {ray:?} {span:?}");
-            let blocked = accelerator.occluded(primitives, ray, span, &mut NoProbe);
-            assert_eq!(blocked, expected.is_some(), "{name}, occluded: {ray:?} {span:?}");
+            let occluded = accelerator.occluded(primitives, ray, span, &mut NoProbe);
+            assert_eq!(occluded, expected.is_some(), "{name}, occluded: {ray:?} {span:?}");
         }
         expected
     }
