@@ -94,7 +94,7 @@ impl ReferencePathTracer<'_> {
             let HitContext { material, direction, length, is_inside, .. } = context;
 
             // Pass a null interface: the same ray goes on behind it.
-            let interface = context.interface(&mut path.media.interior, materials, hit.body());
+            let interface = context.interface(&mut path.media.interior, materials, hit.medium_entry());
             let interface = interface.as_ref();
             if !context.is_visible(interface) {
                 let is_dimmed =

@@ -65,7 +65,7 @@ impl ShadowMedia {
         let rest = Interval { min: behind.min, max: behind.max.min(span.max) };
         let context = HitContext::new(features, materials, ray, hit);
         let Some(context) = context.filter(|context| context.material.passes_shadow_rays()) else { return Some(rest) };
-        let interface = context.interface(&mut self.media.interior, materials, hit.body());
+        let interface = context.interface(&mut self.media.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         if context.is_visible(interface) {
             return None;

@@ -31,8 +31,11 @@ pub(crate) fn drink() -> Scene {
     scene.name = "drink".into();
     scene.settings.depth = 12;
     let first = scene.appearance.materials.len() as u32;
-    let bodies = [(1.5, 0.2, 0), (1.33, 0.4, 1), (1.31, 0.0, 2), (1.0, 0.0, 3)];
-    scene.appearance.materials.extend(bodies.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
+    let dielectrics = [(1.5, 0.2, 0), (1.33, 0.4, 1), (1.31, 0.0, 2), (1.0, 0.0, 3)];
+    scene
+        .appearance
+        .materials
+        .extend(dielectrics.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
     scene.nodes.extend([
         node(cuboid([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), first),
         node(cuboid([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), first + 1),

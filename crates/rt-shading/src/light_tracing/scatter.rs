@@ -39,7 +39,12 @@ impl<S: Sampler> LightPaths<S> {
         let mut medium_tracker = MediumTracker::default();
         if self.features.refraction {
             let materials = &scene.lighting.appearance.materials;
-            medium_tracker.interior.find_enclosing_media_within(scene.sources.bodies(), world, materials, &ray);
+            medium_tracker.interior.find_enclosing_media_within(
+                scene.sources.dielectric_bounds(),
+                world,
+                materials,
+                &ray,
+            );
         }
         let no_falloff_distance = no_falloff.then_some(0.0);
         self.next.push(None, &ray, span, self.paths.len() as u32);
@@ -65,7 +70,7 @@ impl<S: Sampler> LightPaths<S> {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
         let Some(context) = HitContext::new(&self.features, materials, ray, hit) else { return };
-        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.body());
+        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.medium_entry());
         let is_visible = context.is_visible(interface.as_ref());
         let HitContext { material, direction, length, is_inside, .. } = context;
         if !is_visible {

@@ -31,7 +31,7 @@ pub struct LightSources {
     /// Length of the diagonal around all that is bounded.
     reach: f64,
     /// Bounds of dielectrics.
-    bodies: Aabb,
+    dielectric_bounds: Aabb,
 }
 
 /// First ray of a path.
@@ -45,9 +45,9 @@ pub(super) struct LeSample {
 }
 
 impl LightSources {
-    /// Lights of a scene, and the map of its specular surfaces. `bounds` contains all that is bounded, and `bodies` all
-    /// dielectrics.
-    pub fn new(lights: &LightSet, projection_map: ProjectionMap, bounds: Aabb, bodies: Aabb) -> Self {
+    /// Lights of a scene, and the map of its specular surfaces. `bounds` contains all that is bounded, and
+    /// `dielectric_bounds` all dielectrics.
+    pub fn new(lights: &LightSet, projection_map: ProjectionMap, bounds: Aabb, dielectric_bounds: Aabb) -> Self {
         let reach = if bounds.is_empty() { 1.0 } else { bounds.extent().length() };
         let power = |light: &Light| match light {
             Light::Environment(_) => Rgb::BLACK,
@@ -55,7 +55,7 @@ impl LightSources {
             light => light.power(reach),
         };
         let sampler = PowerLightSampler::new(lights.lights().iter().map(power));
-        Self { sampler, projection_map, reach, bodies }
+        Self { sampler, projection_map, reach, dielectric_bounds }
     }
 
     /// True if no light can reach a specular surface.
@@ -69,8 +69,8 @@ impl LightSources {
     }
 
     /// Bounds of dielectrics.
-    pub(super) const fn bodies(&self) -> Aabb {
-        self.bodies
+    pub(super) const fn dielectric_bounds(&self) -> Aabb {
+        self.dielectric_bounds
     }
 
     /// Samples the first ray of a path at a time; `None` if it would leave through the wrong side of its light.

@@ -53,7 +53,7 @@ impl<E: Element> SpawnedPaths<E> {
         };
         let sample = wave.paths.sample.get(at);
         let state = &mut self.states[sample as usize];
-        let interface = context.interface(&mut state.medium_tracker.interior, materials, hit.body());
+        let interface = context.interface(&mut state.medium_tracker.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         let HitContext { material, direction, length, is_inside, .. } = context;
         let mut path = HitPath { wave, at, sample, throughput: wave.paths.throughput(at), interface };

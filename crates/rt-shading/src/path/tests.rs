@@ -271,12 +271,13 @@ fn glass_neither_makes_nor_loses_light() {
     // Rough surfaces lose what facets pass to each other.
     let (mean, _) = furnace(glass(1.5, 0.0, 0.2)).estimate(paths(500), ray, 20_000);
     assert!(mean > 0.97 && mean < 1.0 + 1e-9, "{mean}");
-    // Beer's law along a diameter, through a body that does not bend light.
+    // Beer's law along a diameter, through a dielectric that does not bend light.
     let straight = Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z);
     furnace(glass(1.0, 0.5, 0.0)).assert_shows(paths(5), straight, rt_math::transcendental::exp(-1.0));
 }
 
-/// Each thin_glass was entered as a body and never left, until the list of bodies was full and further panes were not seen.
+/// Each thin_glass was entered as a dielectric and never left, until the list of dielectrics was full and further panes
+/// were not seen.
 #[test]
 fn forty_panes_of_thin_glass_each_take_their_part() {
     let thin_glass = MaterialModel::ThinGlass { ior: 1.0, transmittance: gray(0.95) };

@@ -45,7 +45,7 @@ pub(super) struct HitGroup<'a, L: LaneSet> {
 
 impl<L: LaneSet> HitSurfaces<'_, L> {
     /// Object and material of a lane.
-    pub(super) const fn body(&self, lane: usize) -> MediumEntry {
+    pub(super) const fn medium_entry(&self, lane: usize) -> MediumEntry {
         MediumEntry { object: self.objects[lane % LANES], material: self.material }
     }
 }

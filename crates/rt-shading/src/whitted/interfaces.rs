@@ -50,12 +50,13 @@ impl<E: Element> SpawnedRays<E> {
             let media = &mut self.media;
             media.resume(&self.lists, paths.media.get(at));
             let is_inside = surface.inside >> lane & 1 == 1;
-            let interface = transmission.interface(&mut media.interior, materials, surfaces.body(lane), is_inside);
+            let interface =
+                transmission.interface(&mut media.interior, materials, surfaces.medium_entry(lane), is_inside);
             let interface = interface.as_ref();
             *before = self.lists.push_changed(&media.interior, *before);
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
-                let MediumEntry { object, material } = surfaces.body(lane);
+                let MediumEntry { object, material } = surfaces.medium_entry(lane);
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), seen);
                 continue;

@@ -23,7 +23,7 @@ impl<E: Element> SpawnedRays<E> {
             return;
         };
         self.media.resume(&self.lists, path.media);
-        let interface = context.interface(&mut self.media.interior, materials, hit.body());
+        let interface = context.interface(&mut self.media.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         if !context.is_visible(interface) {
             return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), seen);
