@@ -445,14 +445,14 @@ impl<'s> Flattener<'s> {
         // Shadow rays ignore media. A solid of air must not cast a shadow in air; as a bubble in glass, the surface of the
         // glass blocks the ray.
         let material = (!is_group).then(|| &self.scene.appearance.materials[node.material.0 as usize]);
-        let is_passed = material.is_some_and(Material::passes_shadow_rays);
+        let passes_shadow_rays = material.is_some_and(Material::passes_shadow_rays);
         let normal_map = material.and_then(|material| material.normal_map);
         Ok(Instance {
             geometry,
             normal_map,
             textured: true,
             material: node.material.0,
-            casts_shadow: here.casts_shadow && !is_passed,
+            casts_shadow: here.casts_shadow && !passes_shadow_rays,
             bounds,
             object: 0,
             object_id: 0,

@@ -100,7 +100,7 @@ impl ReferencePathTracer<'_> {
                 let is_dimmed =
                     path.media.skip_interface(interface, &hit, length, &mut path.throughput, &mut self.counts);
                 path.seen.hit |= is_dimmed;
-                if path.media.null_limit_exceeded() && path.bounces + path.media.bounces_of_passages() > max_depth {
+                if path.media.null_limit_exceeded() && path.bounces + path.media.null_interface_bounces() > max_depth {
                     return path.seen;
                 }
                 if let Some(prev) = &mut path.prev {

@@ -75,7 +75,7 @@ fn nested_dielectrics_of_equal_ior_and_absorption_act_as_one() {
         node(cuboid([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
     ]);
     let several = render(&scene, PlanOptions::default(), RunOptions::default());
-    assert!(several.statistics.shading.passages > 1000);
+    assert!(several.statistics.shading.null_interfaces > 1000);
     assert_same(&one, &several.film, &scene.name);
 }
 
@@ -155,7 +155,7 @@ fn explanations_say_what_nests() {
     };
     let mut scene = drink();
     let explained = used(&scene);
-    assert!(render(&scene, PlanOptions::default(), RunOptions::default()).statistics.shading.passages > 0);
+    assert!(render(&scene, PlanOptions::default(), RunOptions::default()).statistics.shading.null_interfaces > 0);
     assert!(explained.contains("priorities 0 to 3; the camera is outside of all"), "{explained}");
     scene.cameras[0].medium = Some(MaterialId(1));
     assert!(used(&scene).contains("the camera is inside of a dielectric"));

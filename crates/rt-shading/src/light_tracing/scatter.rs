@@ -109,7 +109,7 @@ impl<S: Sampler> LightPaths<S> {
     ) {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         path.medium_tracker.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
-        if path.bounces + path.medium_tracker.bounces_of_passages() > self.settings.max_depth {
+        if path.bounces + path.medium_tracker.null_interface_bounces() > self.settings.max_depth {
             self.counts.depth_limited += 1;
             return;
         }

@@ -23,7 +23,7 @@ impl<E: Element> SpawnedPaths<E> {
         let materials = &inputs.lighting.appearance.materials;
         let tracker = &self.states[path.sample as usize].medium_tracker;
         let media = if inputs.materials.has_shadow_media {
-            MediaAround::passed(tracker, path.interface)
+            MediaAround::of_interface(tracker, path.interface)
         } else if inputs.features.absorption {
             MediaAround::Uniform(tracker.media(materials, path.interface))
         } else {
@@ -117,7 +117,7 @@ enum MediaAround {
 
 impl MediaAround {
     /// Media for shadow rays that pass surfaces.
-    fn passed(tracker: &MediumTracker, interface: Option<&MediumInterface>) -> Self {
+    fn of_interface(tracker: &MediumTracker, interface: Option<&MediumInterface>) -> Self {
         match interface {
             None => Self::OfPath,
             _ => Self::Sides(

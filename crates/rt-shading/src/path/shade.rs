@@ -166,7 +166,7 @@ impl<E: Element> SpawnedPaths<E> {
         let state = &mut self.states[sample as usize];
         let tracker = &mut state.medium_tracker;
         seen.hit |= tracker.skip_interface(interface, hit, length, &mut throughput, &mut self.counts);
-        let bounces = wave.bounces + tracker.bounces_of_passages();
+        let bounces = wave.bounces + tracker.null_interface_bounces();
         if bounces > inputs.settings.max_depth.saturating_add(u32::from(state.emission_only)) {
             self.counts.depth_limited += 1;
             return;
@@ -174,7 +174,7 @@ impl<E: Element> SpawnedPaths<E> {
         let (ray, _) = wave.paths.rays.get(at);
         let record = wave.paths.get(at);
         let pdf = pdf_behind(hit, record.pdf);
-        self.passing.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
+        self.null_interface_paths.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
     }
 
     /// Samples the next direction of the path.

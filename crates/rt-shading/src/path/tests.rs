@@ -129,7 +129,8 @@ fn trace(
         let expected: Vec<_> = rays.iter().zip(&samplers).zip(surroundings.iter().cycle()).map(li).collect();
         // On a light source, rounding decides whether the source itself reaches a point or one next to it.
         assert_close(&expected, &seen, 1e-9, rays.len() / 500, settings);
-        let of_media_and_clamp = |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped];
+        let of_media_and_clamp =
+            |counts: &ShadingCounts| [counts.null_interfaces, counts.interior_overflows, counts.clamped];
         assert_eq!(of_media_and_clamp(&counts_in_f64), of_media_and_clamp(&reference.counts), "{settings:?}");
     }
     (seen, counts)

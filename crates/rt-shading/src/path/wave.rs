@@ -33,7 +33,7 @@ pub(super) struct PathStreams<S, E: Element> {
     samples: WaveSamples,
     paths: PathStreamsByKind<E>,
     /// Paths that have passed null interfaces in this wave.
-    passed: PathStream<E>,
+    null_interface_paths: PathStream<E>,
     hits: HitStream,
     groups: HitGroups,
     /// Paths and hits that are shaded in lanes, without gaps.
@@ -46,7 +46,7 @@ pub(super) struct PathStreams<S, E: Element> {
 pub(super) struct SpawnedPaths<E: Element> {
     pub(super) paths: PathStreamsByKind<E>,
     /// Rays that continue behind null interfaces, in the same wave.
-    pub(super) passing: PathStream<E>,
+    pub(super) null_interface_paths: PathStream<E>,
     /// Shadow rays to each delta light, and to the sampled light.
     pub(super) delta: DeltaStreams<E>,
     pub(super) sampled: ShadowRayStream<E>,
@@ -86,7 +86,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
             samplers: Vec::new(),
             samples: WaveSamples::default(),
             paths: PathStreamsByKind::default(),
-            passed: PathStream::default(),
+            null_interface_paths: PathStream::default(),
             hits: HitStream::default(),
             groups: HitGroups::default(),
             dense: Default::default(),
@@ -112,7 +112,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
         let mut diffuse_kind = RayKind::Primary;
         let mut bounces = 0;
         while !self.paths.is_empty() {
-            let Self { samplers, samples, paths, passed, hits, groups, dense, spawned } = self;
+            let Self { samplers, samples, paths, null_interface_paths, hits, groups, dense, spawned } = self;
             let mut shade = |kind: RayKind, paths: &PathStream<E>, spawned: &mut SpawnedPaths<E>| {
                 if paths.rays.is_empty() {
                     return;
@@ -140,10 +140,10 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 (diffuse_kind, &paths.diffuse),
             ] {
                 shade(kind, paths, spawned);
-                while !spawned.passing.rays.is_empty() {
-                    passed.rays.clear();
-                    core::mem::swap(passed, &mut spawned.passing);
-                    shade(RayKind::Refraction, passed, spawned);
+                while !spawned.null_interface_paths.rays.is_empty() {
+                    null_interface_paths.rays.clear();
+                    core::mem::swap(null_interface_paths, &mut spawned.null_interface_paths);
+                    shade(RayKind::Refraction, null_interface_paths, spawned);
                 }
             }
             let clamp = inputs.settings.clamp;

@@ -61,8 +61,8 @@ impl<E: Element> SpawnedRays<E> {
                 let reflectance = Real::select(is_null, zero, optics::fresnel(-direction.dot(normal), eta));
                 reflected_part = Real::select(lanes.mask(transmits), reflectance, one);
             }
-            let passed_part = if has_fresnel { one - reflected_part } else { one };
-            let weight = weight.scaled_by(lanes.splat_rgb(phong.transmission_coefficient())) * passed_part;
+            let transmitted_part = if has_fresnel { one - reflected_part } else { one };
+            let weight = weight.scaled_by(lanes.splat_rgb(phong.transmission_coefficient())) * transmitted_part;
             let significant = transmits & lanes.bits(is_significant(weight, settings.min_contribution));
             if significant != 0 {
                 let sin_i = direction.cross(normal).length();

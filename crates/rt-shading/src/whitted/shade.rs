@@ -158,8 +158,8 @@ impl<E: Element> SpawnedRays<E> {
                 reflected_part =
                     if interface.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
             }
-            let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
-            let weight = path.weight * transmission.coefficient.at(textures, surface) * passed_part;
+            let transmitted_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
+            let weight = path.weight * transmission.coefficient.at(textures, surface) * transmitted_part;
             if inputs.is_significant(weight) {
                 let direction = if interface.is_null() { Some(view.direction) } else { view.refracted(eta) };
                 refracted = direction.map(|direction| (interface, direction, bounced(weight)));

@@ -170,9 +170,12 @@ fn every_path_has_the_radiance_of_the_reference() {
             let (seen, counts) = trace(&mut scene.world, lighting, settings, surroundings, &views(RAYS));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
-            let (min_lit, min_passages) =
+            let (min_lit, min_null_interfaces) =
                 if surroundings == from_ref(&air) { (RAYS as usize / 2, RAYS / 3) } else { (RAYS as usize / 20, 0) };
-            assert!(lit > min_lit && counts.passages >= min_passages, "{lit} of {RAYS}, {settings:?}: {counts:?}");
+            assert!(
+                lit > min_lit && counts.null_interfaces >= min_null_interfaces,
+                "{lit} of {RAYS}, {settings:?}: {counts:?}"
+            );
             let may_clamp = settings.clamp != Clamp::NONE && settings.max_depth > 0;
             assert_eq!(counts.clamped > RAYS / 30, may_clamp, "{settings:?}: {counts:?}");
         }
@@ -193,7 +196,7 @@ fn every_path_through_smoke_has_the_radiance_of_the_reference() {
             let (seen, counts) = trace(&mut scene.world, lighting, settings, from_ref(surroundings), &views(RAYS));
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             assert!(
-                lit > RAYS as usize / 20 && counts.passages > RAYS / 2,
+                lit > RAYS as usize / 20 && counts.null_interfaces > RAYS / 2,
                 "{lit} of {RAYS}, {settings:?}: {counts:?}"
             );
             let in_lanes = counts.lanes_used > 0 || settings.max_depth == 0 || LaneLevel::best().is_none();

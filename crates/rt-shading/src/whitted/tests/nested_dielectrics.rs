@@ -113,7 +113,7 @@ fn water_that_reaches_into_its_glass_begins_where_the_glass_ends() {
     let tint = exp(-0.3 / cos(in_glass) - 0.7 * 2.0 / cos(in_water));
     assert!((look.seen.r - tint).abs() < 1e-14, "{} not {tint}", look.seen.r);
     assert_eq!(
-        (look.counts.passages, look.counts.refractions),
+        (look.counts.null_interfaces, look.counts.refractions),
         (1, 3),
         "the water's surface in the glass is not there"
     );
@@ -128,7 +128,7 @@ fn the_greater_priority_carves_the_other_dielectric_from_both_sides() {
     for (y, direction) in [(3.0, DVec3::NEG_Y), (-3.0, DVec3::Y)] {
         let Look { seen, counts, .. } = look(&shapes, &appearance, 3, &Ray::new(DVec3::Y * y, direction));
         assert!((seen.r - expected).abs() < 1e-15, "{} not {expected}", seen.r);
-        assert_eq!(counts.passages, 1);
+        assert_eq!(counts.null_interfaces, 1);
     }
 }
 
@@ -209,7 +209,7 @@ fn overlapping_dielectrics_of_one_density_are_one_dielectric() {
             &ray,
         );
         assert_eq!(one.seen, two.seen, "material {second}");
-        assert!(two.counts.passages > 0 && one.counts.fresnel == two.counts.fresnel);
+        assert!(two.counts.null_interfaces > 0 && one.counts.fresnel == two.counts.fresnel);
     }
 }
 
@@ -294,7 +294,7 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
         let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
         let expected = exp(-0.5 * 0.5 / cos(20f64.to_radians()) - 0.25 * 9.0 / cos(in_glass));
         assert!((seen.r - expected).abs() < 1e-14, "{} not {expected}", seen.r);
-        assert_eq!(whitted.counts().passages, 1, "the water ends within the glass");
+        assert_eq!(whitted.counts().null_interfaces, 1, "the water ends within the glass");
     }
 }
 
@@ -345,7 +345,7 @@ fn an_edge_that_two_triangles_share_is_entered_once() {
         let target = corners[0].lerp(corners[2], f64::from(i) / 2000.0);
         let origin = DVec3::new(0.37, 5.1, -0.83);
         let Look { counts, .. } = look(&shapes, &appearance, 0, &Ray::new(origin, target - origin));
-        assert_eq!(counts.passages, 1, "point {i} of the edge");
+        assert_eq!(counts.null_interfaces, 1, "point {i} of the edge");
     }
 }
 
