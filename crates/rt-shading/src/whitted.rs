@@ -15,11 +15,11 @@ mod hit_group;
 mod inputs;
 mod interfaces;
 mod lane_phong;
+mod ray_tree_path;
 mod secondary_rays;
 mod shade;
 mod shade_lanes;
 mod streams;
-mod tree_path;
 mod wave;
 
 use crate::{
@@ -28,11 +28,11 @@ use crate::{
     stream_queries::{SingleQueries, StreamQueries},
 };
 pub use counts::ShadingCounts;
-use inputs::{Settings, TreeInputs};
+use inputs::{RayTreeInputs, Settings};
 use lane_phong::LanePhongs;
 use rt_geometry::RayStream;
 use rt_math::{Interval, Ray};
-use wave::{TreeBatch, TreeStreams};
+use wave::{RayTreeBatch, RayTreeStreams};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
@@ -59,13 +59,14 @@ pub struct Whitted {
     has_time: bool,
     /// True to shade in `f64`.
     is_f64: bool,
-    in_f32: TreeStreams<f32>,
-    in_f64: TreeStreams<f64>,
+    in_f32: RayTreeStreams<f32>,
+    in_f64: RayTreeStreams<f64>,
 }
 
 impl Whitted {
-    /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
-    /// components are not traced. It computes only these `features`. All calls must be with the same appearance.
+    /// Integrator of up to `max_depth` bounces after the first hit. Rays whose throughput in the pixel is below
+    /// `min_contribution` in all components are not traced. It computes only these `features`. All calls must be with
+    /// the same appearance.
     pub fn new(max_depth: u32, min_contribution: f64, features: ShadingFeatures) -> Self {
         Self {
             settings: Settings { max_depth, min_contribution, features },
@@ -74,8 +75,8 @@ impl Whitted {
             lanes: LaneLevel::best(),
             has_time: false,
             is_f64: false,
-            in_f32: TreeStreams::default(),
-            in_f64: TreeStreams::default(),
+            in_f32: RayTreeStreams::default(),
+            in_f64: RayTreeStreams::default(),
         }
     }
 
@@ -139,8 +140,8 @@ impl Whitted {
         }
         let Self { settings, phongs, surroundings, lanes, has_time, is_f64, in_f32, in_f64 } = self;
         let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
-        let inputs = &TreeInputs { settings, appearance, phongs, has_time: *has_time };
-        let batch = TreeBatch { rays, surroundings, seen };
+        let inputs = &RayTreeInputs { settings, appearance, phongs, has_time: *has_time };
+        let batch = RayTreeBatch { rays, surroundings, seen };
         if *is_f64 {
             in_f64.trace(inputs, None, world, batch);
         } else {

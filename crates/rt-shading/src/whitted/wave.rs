@@ -9,7 +9,7 @@
 //! that of its surfaces in their order, then that of the branches that start there, the last one first. It thus does not depend on the
 //! rest of the wave.
 
-use super::{counts::ShadingCounts, inputs::TreeInputs, lane_phong::LanePhong, streams::TreeStream};
+use super::{counts::ShadingCounts, inputs::RayTreeInputs, lane_phong::LanePhong, streams::RayTreeStream};
 use crate::{
     InteriorList, LaneLevel, RadianceSample,
     interior_list::{InteriorLists, ListRange},
@@ -25,7 +25,7 @@ use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::Rgb;
 
 /// Camera rays, the media around the camera, and the radiance of the rays.
-pub(super) struct TreeBatch<'a> {
+pub(super) struct RayTreeBatch<'a> {
     pub(super) rays: &'a mut RayStream,
     /// One list for all rays, or one for each; none for air.
     pub(super) surroundings: &'a [InteriorList],
@@ -33,10 +33,10 @@ pub(super) struct TreeBatch<'a> {
 }
 
 #[derive(Clone, Debug, Default)]
-pub(super) struct TreeStreams<E: Element> {
+pub(super) struct RayTreeStreams<E: Element> {
     /// Rays of the current wave, by kind.
-    reflected: TreeStream<E>,
-    refracted: TreeStream<E>,
+    reflected: RayTreeStream<E>,
+    refracted: RayTreeStream<E>,
     hits: HitStream,
     pub(super) spawned: SpawnedRays<E>,
     /// Radiance of each branch; none beyond the last one.
@@ -49,7 +49,7 @@ pub(super) struct TreeStreams<E: Element> {
 /// Refracted rays that wait until all rays are shaded that the mirrored ones of their wave lead to. There are too many for one wave.
 #[derive(Clone, Debug, Default)]
 struct WaitingRays<E: Element> {
-    rays: TreeStream<E>,
+    rays: RayTreeStream<E>,
     /// Numbers of branches, and of entries of interior lists, when they began to wait.
     n_branches: usize,
     n_entries: usize,
@@ -59,8 +59,8 @@ struct WaitingRays<E: Element> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct SpawnedRays<E: Element> {
     /// Rays of the next wave, by kind.
-    pub(super) reflected: TreeStream<E>,
-    pub(super) refracted: TreeStream<E>,
+    pub(super) reflected: RayTreeStream<E>,
+    pub(super) refracted: RayTreeStream<E>,
     /// Shadow rays by light.
     pub(super) lights: DeltaStreams<E>,
     /// Rays of a wave for whose shadow rays there is space.
@@ -83,14 +83,14 @@ pub(super) struct SpawnedRays<E: Element> {
 }
 
 /// Rays of a wave with their closest hits.
-pub(super) type TreeWave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
+pub(super) type RayTreeWave<'a, E> = (&'a RayTreeStream<E>, &'a HitStream);
 
 /// Stage that shades those closest hits of a wave that are shaded in lanes.
-pub(super) struct ShadeTreeHits<'a, W, E: Element> {
+pub(super) struct ShadeRayTreeHits<'a, W, E: Element> {
     pub(super) spawned: &'a mut SpawnedRays<E>,
-    pub(super) inputs: &'a TreeInputs<'a>,
+    pub(super) inputs: &'a RayTreeInputs<'a>,
     pub(super) world: &'a W,
-    pub(super) wave: TreeWave<'a, E>,
+    pub(super) wave: RayTreeWave<'a, E>,
     pub(super) seen: &'a mut [RadianceSample],
 }
 
@@ -116,16 +116,16 @@ impl RaySet {
     }
 }
 
-impl<E: Element> TreeStreams<E> {
+impl<E: Element> RayTreeStreams<E> {
     /// Traces the ray trees of camera rays, and shades them at a level.
     pub(super) fn trace<W: StreamQueries>(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         level: Option<LaneLevel>,
         world: &mut W,
-        batch: TreeBatch<'_>,
+        batch: RayTreeBatch<'_>,
     ) {
-        let TreeBatch { rays, surroundings, seen } = batch;
+        let RayTreeBatch { rays, surroundings, seen } = batch;
         let n_samples = seen.len();
         self.start(inputs, rays, surroundings);
         let mut first_kind = RayKind::Primary;
@@ -141,7 +141,7 @@ impl<E: Element> TreeStreams<E> {
                     spawned.group(inputs, &*world, (paths, hits), radiance);
                     E::run(
                         level,
-                        ShadeTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen: radiance },
+                        ShadeRayTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen: radiance },
                     );
                 }
             }
@@ -164,7 +164,7 @@ impl<E: Element> TreeStreams<E> {
     }
 
     /// Starts with camera rays in these media.
-    fn start(&mut self, inputs: &TreeInputs<'_>, rays: &mut RayStream, surroundings: &[InteriorList]) {
+    fn start(&mut self, inputs: &RayTreeInputs<'_>, rays: &mut RayStream, surroundings: &[InteriorList]) {
         let Self { reflected, refracted, spawned, .. } = self;
         let n_lights = inputs.appearance.lights.len();
         spawned.max_rays = batch_size(n_lights).max(rays.len());
@@ -232,9 +232,9 @@ impl<E: Element> SpawnedRays<E> {
     /// Traces shadow rays in scenes with media that these pass. They start in the media of the rays of the wave.
     fn trace_shadow_media<W: StreamQueries>(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         world: &mut W,
-        wave: [&TreeStream<E>; 2],
+        wave: [&RayTreeStream<E>; 2],
     ) {
         let mut ranges = vec![ListRange::default(); self.parents.len()];
         for paths in wave {
@@ -256,9 +256,9 @@ impl<E: Element> SpawnedRays<E> {
     /// Finds the hits that are shaded in lanes, and shades all others.
     fn group<W: StreamQueries>(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         world: &W,
-        (paths, hits): TreeWave<'_, E>,
+        (paths, hits): RayTreeWave<'_, E>,
         seen: &mut [RadianceSample],
     ) {
         let are_all = inputs.phongs.are_complete && world.has_only_primitives();

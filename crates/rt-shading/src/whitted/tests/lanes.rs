@@ -58,7 +58,7 @@ fn all_materials() -> Appearance {
     }
     phongs.push(Phong { diffuse: checker, specular: checker, ..shiny(Highlight::Phong, 7.0) });
     phongs.push(Phong { ambient: checker, mirror: textured(1), ..shiny(Highlight::Blinn, 7.0) });
-    // Squares of two sizes, and a texture that lanes do not evaluate.
+    // Cells of two sizes, and a texture that lanes do not evaluate.
     phongs.push(Phong { diffuse: checker, specular: textured(2), ..shiny(Highlight::Phong, 2.0) });
     phongs.push(Phong { diffuse: checker, specular: textured(3), ..shiny(Highlight::Phong, 2.0) });
     phongs.push(Phong { diffuse: ColorTexture::ZERO, mirror: color(0.0, 0.1, 0.2), ..shiny(Highlight::Blinn, 9.0) });
