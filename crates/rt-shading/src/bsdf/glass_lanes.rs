@@ -29,8 +29,8 @@ impl GlassSurface {
     pub(crate) fn new(transmittance: Rgb, roughness: f64, ior: f64) -> Option<Self> {
         let facets = Ggx::from_roughness(roughness);
         let is_rough_enough = roughness >= MIN_LANE_ROUGHNESS && (ior - 1.0).abs() >= MIN_BEND;
-        let is_usual = IOR_RANGE.contains(&ior) && ior != 1.0 && is_in_range(transmittance);
-        (is_usual && (facets.is_none() || is_rough_enough)).then_some(Self { transmittance, facets })
+        let fits_lanes = IOR_RANGE.contains(&ior) && ior != 1.0 && is_in_range(transmittance);
+        (fits_lanes && (facets.is_none() || is_rough_enough)).then_some(Self { transmittance, facets })
     }
 
     pub(crate) const fn is_smooth(&self) -> bool {

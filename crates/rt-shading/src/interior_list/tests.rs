@@ -128,19 +128,19 @@ fn looking_around_finds_the_dielectrics_of_the_origin_in_their_order() {
 }
 
 #[test]
-fn usual_interfaces_are_those_of_any_list() {
+fn inlined_interfaces_are_those_of_any_list() {
     let materials = materials(&[0, 5, 0]);
     let all = [(0, 0), (1, 0), (2, 1), (3, 2)].map(|(object, material)| MediumEntry { object, material });
     let lists = [&all[..0], &all[..1], &all[1..2], &all[2..3], &all[..2], &all[1..]];
     for (entries, entry, leaving) in
         lists.iter().flat_map(|list| all.map(|entry| [(list, entry, false), (list, entry, true)])).flatten()
     {
-        let [mut usual, mut any] = [(); 2].map(|()| InteriorList { entries: entries.to_vec() });
+        let [mut inlined, mut any] = [(); 2].map(|()| InteriorList { entries: entries.to_vec() });
         let case = format!("{entry:?} in {entries:?}, leaving: {leaving}");
-        let found = format!("{:?}", usual.interface(&materials, entry, leaving));
+        let found = format!("{:?}", inlined.interface(&materials, entry, leaving));
         assert_eq!(found, format!("{:?}", any.nested_interface(&materials, entry, leaving)), "{case}");
-        assert_eq!(usual, any, "{case}");
-        let event = usual.interface(&materials, entry, leaving).expect("room in the list").event;
-        assert_eq!(format!("{:?}", usual.event(entry, leaving)), format!("Some({event:?})"), "{case}");
+        assert_eq!(inlined, any, "{case}");
+        let event = inlined.interface(&materials, entry, leaving).expect("room in the list").event;
+        assert_eq!(format!("{:?}", inlined.event(entry, leaving)), format!("Some({event:?})"), "{case}");
     }
 }

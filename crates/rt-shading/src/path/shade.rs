@@ -101,7 +101,7 @@ impl<E: Element> SpawnedPaths<E> {
             self.add_ambient(inputs, wave.bounces, path.throughput * ambient, seen);
         }
         if let Some(surface) = in_lanes
-            && inputs.materials.has_usual_lights
+            && inputs.materials.has_lanes
             && interface.is_none()
             && !was_absorbed
         {

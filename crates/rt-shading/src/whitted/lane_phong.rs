@@ -5,7 +5,7 @@ use crate::{
     hit_context::SurfaceTransmission,
     lane_set::LaneSet,
     light::EmissionSides,
-    wavefront::{IOR_RANGE, delta_lights::is_usual_light, is_in_range},
+    wavefront::{IOR_RANGE, delta_lights::light_fits_f32, is_in_range},
 };
 use rt_math::{Real as _, Rgb, Vector3, transcendental::Pow};
 
@@ -48,21 +48,21 @@ pub(super) struct LanePhongs {
 }
 
 impl LanePhongs {
-    /// Models with these features. Which materials have one does not depend on the features. None has one if the numbers of a light leave
-    /// the usual range of `f32`. Light with inverse-square falloff may still overflow at a distance of less than 10⁻¹³.
+    /// Models with these features. Which materials have one does not depend on the features. None has one if a light does
+    /// not fit `f32`. Light with inverse-square falloff may still overflow at a distance of less than 10⁻¹³.
     pub(super) fn new(appearance: &Appearance, features: &ShadingFeatures) -> Self {
-        let has_usual_lights = appearance.lights.iter().all(is_usual_light);
+        let lights_fit_f32 = appearance.lights.iter().all(light_fits_f32);
         let has_shadow_media = appearance.has_shadow_media(features);
         let of = |material: &Material| {
             // The media of shadow rays from transparent surfaces are found one by one.
             if has_shadow_media && SurfaceTransmission::of(features, material) != SurfaceTransmission::None {
                 return None;
             }
-            let has_usual_medium = material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
-            let is_usual = has_usual_lights
-                && has_usual_medium
-                && LanePhong::of(material, appearance, &ShadingFeatures::ALL).is_some_and(|phong| phong.is_usual());
-            if is_usual { LanePhong::of(material, appearance, features) } else { None }
+            let ior_fits_f32 = material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
+            let fits_f32 = lights_fit_f32
+                && ior_fits_f32
+                && LanePhong::of(material, appearance, &ShadingFeatures::ALL).is_some_and(|phong| phong.fits_f32());
+            if fits_f32 { LanePhong::of(material, appearance, features) } else { None }
         };
         let phongs: Vec<_> = appearance.materials.iter().map(of).collect();
         Self { are_complete: phongs.iter().all(Option::is_some), phongs, has_shadow_media }
@@ -75,8 +75,8 @@ impl LanePhongs {
 }
 
 impl LanePhong {
-    /// True for colours in the usual range of `f32`, and highlights that are wide enough for cosines in it.
-    fn is_usual(&self) -> bool {
+    /// True if all colours are in range ([`is_in_range`]), and the highlights are wide enough for cosines in `f32`.
+    fn fits_f32(&self) -> bool {
         self.colors().all(is_in_range) && self.exponent() <= MAX_EXPONENT
     }
 

@@ -429,11 +429,11 @@ fn a_call_with_too_few_samplers_does_nothing() {
 fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_shaded_in_lanes() {
     let scene = TestScene::new(LIT_BY[1], 1.0);
     let in_lanes = |material| scene.has_in_lanes(material);
-    let usual = &scene.appearance.materials[1];
-    let of_model = |model: MaterialModel| Material { model, ..usual.clone() };
+    let plain = &scene.appearance.materials[1];
+    let of_model = |model: MaterialModel| Material { model, ..plain.clone() };
     let grey = ColorTexture::Constant(Rgb::gray(0.5));
     let glossy = |exponent| of_model(MaterialModel::Glossy { diffuse: grey, specular: grey, exponent });
-    let glowing = |emission| Material { emission, ..usual.clone() };
+    let glowing = |emission| Material { emission, ..plain.clone() };
     assert!(scene.appearance.materials.iter().all(|material| in_lanes(material.clone())));
     for other in [glossy(30.0), of_model(MaterialModel::Diffuse { albedo: grey, roughness: 0.3 })] {
         assert!(in_lanes(other.clone()), "{other:?}");
@@ -460,7 +460,7 @@ fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_s
         shiny(1e5),
         glowing(ColorTexture::Constant(Rgb::gray(1e20))),
         glowing(ColorTexture::Textured(crate::TextureId(0), Rgb::WHITE)),
-        Material { interior: Some(InteriorMedium::clear(1.5)), ..usual.clone() },
+        Material { interior: Some(InteriorMedium::clear(1.5)), ..plain.clone() },
         glass(0.05, 1.5),
         glass(0.5, 1.05),
         glass(0.0, 1.0),

@@ -339,22 +339,22 @@ fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
 fn numbers_that_leave_the_range_of_f32_are_not_shaded_in_lanes() {
     let color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
     let plain = Material::new(String::new(), Phong { diffuse: color(0.5, 0.6, 0.2), ..Phong::default() });
-    let usual = Appearance { materials: vec![plain], lights: lights(), ..Appearance::default() };
+    let plain_scene = Appearance { materials: vec![plain], lights: lights(), ..Appearance::default() };
     let is_in_lanes =
         |appearance: &Appearance| LanePhongs::new(appearance, &ShadingFeatures::of(appearance, |_| true)).are_complete;
-    assert!(is_in_lanes(&usual));
-    let mut bright = usual.clone();
+    assert!(is_in_lanes(&plain_scene));
+    let mut bright = plain_scene.clone();
     bright.lights[0].intensity = Rgb::gray(1e20);
-    let mut dense = usual.clone();
+    let mut dense = plain_scene.clone();
     dense.materials[0].interior = Some(InteriorMedium::clear(1e6));
-    let mut narrow = usual.clone();
+    let mut narrow = plain_scene.clone();
     for light in &mut narrow.lights {
         if let DeltaLightKind::Spot { cos_inner, cos_outer, .. } = &mut light.kind {
             (*cos_inner, *cos_outer) = (1.0, 1.0 - 1e-8);
         }
     }
     let sharp_phong = Phong { specular: ColorTexture::Constant(Rgb::WHITE), exponent: 1e5, ..Phong::default() };
-    let mut sharp = usual.clone();
+    let mut sharp = plain_scene.clone();
     sharp.materials.push(Material::new(String::new(), sharp_phong));
     // Without lights, no highlight is computed; the choice is the same.
     let unlit = Appearance { lights: Vec::new(), ..sharp.clone() };
