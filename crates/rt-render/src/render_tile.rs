@@ -92,20 +92,20 @@ impl RenderPlan<'_> {
         let (medium, mut lists) = (&self.frame.medium, Vec::new());
         let mut result = match &self.integrator {
             IntegratorState::Whitted => self.sample_tile(job, camera, |rays, _, seen| {
-                whitted.set_surroundings(medium.find_all(&mut tracer, materials, rays, &mut lists));
+                whitted.set_camera_media(medium.find_all(&mut tracer, materials, rays, &mut lists));
                 whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
             }),
             IntegratorState::Path(settings) if self.integrator_kind() == Integrator::PathReference => {
                 let mut reference = ReferencePathTracer {
                     settings: *settings,
                     lighting,
-                    surroundings: InteriorList::default(),
+                    camera_media: InteriorList::default(),
                     counts: ShadingCounts::default(),
                 };
                 let mut result = self.sample_tile(job, camera, |rays, samplers, seen| {
                     for (at, (sampler, seen)) in samplers.iter().zip(seen).enumerate() {
                         let (ray, _) = rays.get(at);
-                        medium.find(&mut tracer, materials, &ray, &mut reference.surroundings);
+                        medium.find(&mut tracer, materials, &ray, &mut reference.camera_media);
                         *seen = reference.li(&mut tracer, &ray, &mut sampler.clone());
                     }
                 });
@@ -113,7 +113,7 @@ impl RenderPlan<'_> {
                 result
             }
             IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, seen| {
-                paths.set_surroundings(medium.find_all(&mut tracer, materials, rays, &mut lists));
+                paths.set_camera_media(medium.find_all(&mut tracer, materials, rays, &mut lists));
                 paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
             }),
             IntegratorState::AmbientOcclusion(view) => self.sample_tile(job, camera, |rays, samplers, seen| {

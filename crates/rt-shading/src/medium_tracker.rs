@@ -69,8 +69,8 @@ impl MediumTracker {
     }
 
     /// Restarts with a camera ray in these media, and keeps its memory.
-    pub(crate) fn restart(&mut self, surroundings: &InteriorList) {
-        self.interior.clone_from(surroundings);
+    pub(crate) fn restart(&mut self, camera_media: &InteriorList) {
+        self.interior.clone_from(camera_media);
         self.start_ray();
     }
 

@@ -64,7 +64,7 @@ pub struct PathTracer<S> {
     /// Known after the first call.
     materials: Option<LaneMaterials>,
     /// Media around the camera: one list for all paths, or one for each.
-    surroundings: Vec<InteriorList>,
+    camera_media: Vec<InteriorList>,
     /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
     /// False as long as all rays are at time 0.
@@ -86,7 +86,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             settings,
             features,
             materials: None,
-            surroundings: Vec::new(),
+            camera_media: Vec::new(),
             lanes: LaneLevel::best(),
             has_time: false,
             streams: Streams::F32(PathStreams::new()),
@@ -106,8 +106,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Sets the media around the camera: one list for all paths, or one for each path of the next call. Without a list, all
     /// paths start in air.
-    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
-        surroundings.clone_into(&mut self.surroundings);
+    pub fn set_camera_media(&mut self, camera_media: &[InteriorList]) {
+        camera_media.clone_into(&mut self.camera_media);
     }
 
     /// Work done since the counts were last taken.
@@ -132,7 +132,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         if seen.len() != rays.len() || samplers.len() != rays.len() {
             return;
         }
-        let Self { settings, features, materials, surroundings, lanes, has_time, streams } = self;
+        let Self { settings, features, materials, camera_media, lanes, has_time, streams } = self;
         *has_time |= rays.has_time();
         if !*has_time {
             // Rays that stages append behind these get no times.
@@ -140,7 +140,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport, features));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
-        let batch = PathBatch { rays, samplers, surroundings, seen };
+        let batch = PathBatch { rays, samplers, camera_media, seen };
         match streams {
             Streams::F32(streams) => streams.trace(inputs, *lanes, world, batch),
             Streams::F64(streams) => streams.trace(inputs, None, world, batch),

@@ -47,7 +47,7 @@ pub struct ReferencePathTracer<'a> {
     /// Materials and lights. The cache of BSDFs is ignored.
     pub lighting: Lighting<'a>,
     /// Media around the camera; `default()` for air.
-    pub surroundings: InteriorList,
+    pub camera_media: InteriorList,
     /// Null interfaces, ignored dielectrics and clamped light of all paths so far. Other counts stay as they are.
     pub counts: ShadingCounts,
 }
@@ -76,7 +76,7 @@ impl ReferencePathTracer<'_> {
         let Lighting { appearance, lights, .. } = self.lighting;
         let PathSettings { max_depth, rr_start_depth, transport, .. } = self.settings;
         let materials = &appearance.materials;
-        let mut path = PathState::new(&self.surroundings);
+        let mut path = PathState::new(&self.camera_media);
         let (mut ray, mut span, mut kind) = (*ray, Interval::FORWARD, RayKind::Primary);
         loop {
             // Find the closest surface. On a miss, add the radiance of the environment.
@@ -265,9 +265,9 @@ impl ReferencePathTracer<'_> {
 
 impl PathState {
     /// Path that starts at the camera, in these media.
-    fn new(surroundings: &InteriorList) -> Self {
+    fn new(camera_media: &InteriorList) -> Self {
         let mut media = MediumTracker::default();
-        media.restart(surroundings);
+        media.restart(camera_media);
         let (seen, throughput) = (RadianceSample::MISS, Rgb::WHITE);
         Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
     }

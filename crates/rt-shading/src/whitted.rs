@@ -52,7 +52,7 @@ pub struct Whitted {
     /// Known after the first call.
     phongs: Option<LanePhongs>,
     /// Media around the camera: one list for all rays, or one for each.
-    surroundings: Vec<InteriorList>,
+    camera_media: Vec<InteriorList>,
     /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
     /// False as long as all rays are at time 0.
@@ -71,7 +71,7 @@ impl Whitted {
         Self {
             settings: Settings { max_depth, min_contribution, features },
             phongs: None,
-            surroundings: Vec::new(),
+            camera_media: Vec::new(),
             lanes: LaneLevel::best(),
             has_time: false,
             is_f64: false,
@@ -93,8 +93,8 @@ impl Whitted {
 
     /// Sets the media around the camera: one list for all rays, or one for each ray of the next call. Without a list, all rays start
     /// in air.
-    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
-        surroundings.clone_into(&mut self.surroundings);
+    pub fn set_camera_media(&mut self, camera_media: &[InteriorList]) {
+        camera_media.clone_into(&mut self.camera_media);
     }
 
     /// Work done so far.
@@ -138,10 +138,10 @@ impl Whitted {
             // Rays that stages append behind these get no times.
             rays.time.as_mut_slice().fill(0.0);
         }
-        let Self { settings, phongs, surroundings, lanes, has_time, is_f64, in_f32, in_f64 } = self;
+        let Self { settings, phongs, camera_media, lanes, has_time, is_f64, in_f32, in_f64 } = self;
         let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
         let inputs = &RayTreeInputs { settings, appearance, phongs, has_time: *has_time };
-        let batch = RayTreeBatch { rays, surroundings, seen };
+        let batch = RayTreeBatch { rays, camera_media, seen };
         if *is_f64 {
             in_f64.trace(inputs, None, world, batch);
         } else {

@@ -2,7 +2,7 @@
 
 use super::{
     CameraWiSample, LightTracingScene,
-    sources::LeSample,
+    sources::LightLeSample,
     wave::{Connection, LightPath, LightPaths},
 };
 use crate::{
@@ -35,7 +35,7 @@ impl<S: Sampler> LightPaths<S> {
         time: f64,
     ) {
         let Some(sample) = scene.sources.sample_le(scene.lighting, time, &mut sampler) else { return };
-        let LeSample { ray, span, power, no_falloff } = sample;
+        let LightLeSample { ray, span, power, no_falloff } = sample;
         let mut medium_tracker = MediumTracker::default();
         if self.features.refraction {
             let materials = &scene.lighting.appearance.materials;

@@ -33,15 +33,15 @@ impl<L: LaneSet> LightSamples<L> {
         lights: &LightSet,
         (from, normal): (Vector3<L::D>, Vector3<L::F>),
         (samples, at): (&WaveSamples, usize),
-        (mask, two_sided): (u8, u8),
+        (mask, rough_glass): (u8, u8),
     ) -> Self {
         let [u, v] = &samples.light;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let normal = lanes.widen_vector(normal);
         let choice = lanes.load_f64(samples.choice.vector(at));
         let (mut indices, mut probability) = lanes.choose_lights(lights, from, normal, choice);
-        if two_sided != 0 {
-            choose_from_both_sides(lanes, lights, (from, choice), two_sided, (&mut indices, &mut probability));
+        if rough_glass != 0 {
+            choose_from_both_sides(lanes, lights, (from, choice), rough_glass, (&mut indices, &mut probability));
         }
         let zero = lanes.splat_f64(0.0);
         let none = Vector3::new(zero, zero, zero);

@@ -206,7 +206,7 @@ impl<E: Element> SpawnedPaths<E> {
         if throughput.is_black() {
             return;
         }
-        if inputs.plays_roulette(bounces) && !russian_roulette(&mut throughput, state.eta_scale, sampler) {
+        if inputs.uses_russian_roulette(bounces) && !russian_roulette(&mut throughput, state.eta_scale, sampler) {
             return;
         }
         if bounces == 0 {

@@ -33,7 +33,7 @@ struct Vertices<L: LaneSet> {
     /// Those whose lobes are all delta distributions: light is not sampled.
     delta: u8,
     /// Those of rough glass, which light reaches from both sides.
-    two_sided: u8,
+    rough_glass: u8,
     points: HitPoints<L>,
     surface: ShadedSurface<L>,
     normals: ShadingNormals<L>,
@@ -121,8 +121,8 @@ impl<E: Element> SpawnedPaths<E> {
             }
             let time = times(lanes, &paths.rays, at, inputs.has_time);
             let delta = mask & self.gathered.bsdfs.delta();
-            let two_sided = mask & self.gathered.bsdfs.glass.rough;
-            let vertices = Vertices { at, mask, delta, two_sided, points, surface, normals, throughput, time };
+            let rough_glass = mask & self.gathered.bsdfs.glass.rough;
+            let vertices = Vertices { at, mask, delta, rough_glass, points, surface, normals, throughput, time };
             let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;
             let lobes = (inputs.follows_specular_only(), &mut lobes);
@@ -188,10 +188,10 @@ impl<E: Element> SpawnedPaths<E> {
                 if light.casts_shadows {
                     let black = lanes.bits(incident.is_lit) & mask & !lit;
                     self.counts.shadow_rays_skipped += u64::from(black.count_ones());
-                    if vertices.two_sided & lit != 0 && inputs.features.absorption {
+                    if vertices.rough_glass & lit != 0 && inputs.features.absorption {
                         let distance = lanes.widen(incident.distance);
                         radiance =
-                            self.gathered.attenuated(lanes, &(radiance, distance), vertices.two_sided & lit, below);
+                            self.gathered.attenuated(lanes, &(radiance, distance), vertices.rough_glass & lit, below);
                     }
                     let (direction, end) = shadow_rays(lanes, light, shadow_origin);
                     stream.push(lanes, lit, [shadow_origin, direction], (end, *time), (radiance, samples));
@@ -222,7 +222,7 @@ impl<E: Element> SpawnedPaths<E> {
         // The origin of the next ray: its hit is weighted for this point.
         let from = (vertices.surface.near_origin, vertices.normals.normal);
         let LightSamples { lit, infinite, direction, target, weighted, pdf } =
-            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), (mask, vertices.two_sided));
+            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), (mask, vertices.rough_glass));
         let zero = lanes.splat(0.0);
         let direction = lanes.narrow_vector(direction);
         let cos = vertices.cosines(lanes, direction);
@@ -231,10 +231,10 @@ impl<E: Element> SpawnedPaths<E> {
         let lit = lanes.bits(vertices.height(lanes, cos).gt(zero) & !is_zero(reflected)) & lit & mask;
         self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
         let (shadow_origin, below) = vertices.shadow_origins(lanes, lit, cos);
-        let two_sided = vertices.two_sided & lit;
-        if two_sided != 0 && inputs.features.absorption {
+        let rough_glass = vertices.rough_glass & lit;
+        if rough_glass != 0 && inputs.features.absorption {
             let distance = (target - vertices.points.point).length();
-            radiance = self.gathered.attenuated(lanes, &(radiance, distance), two_sided & !infinite, below);
+            radiance = self.gathered.attenuated(lanes, &(radiance, distance), rough_glass & !infinite, below);
         }
         let (mut to_light, mut end) = (target - shadow_origin, lanes.splat_f64(Interval::SEGMENT.max));
         if infinite != 0 {
@@ -254,7 +254,7 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, samples): (&PathWave<'_, E>, &WaveSamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, two_sided, ref surface, ref normals, throughput, time, .. } = vertices;
+        let &Vertices { at, mask, rough_glass, ref surface, ref normals, throughput, time, .. } = vertices;
         let mut normal = normals.normal;
         let [u, v] = &samples.direction;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
@@ -292,7 +292,7 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let mut after = throughput.scaled_by(weight);
         let mut alive = continued & !lanes.bits(is_zero(after));
-        if inputs.plays_roulette(wave.bounces) {
+        if inputs.uses_russian_roulette(wave.bounces) {
             let mut eta_scale = self.eta_scales(lanes, inputs, (wave, at), mask);
             if transmitted != 0 {
                 eta_scale = eta_scale * (eta * eta);
@@ -304,8 +304,8 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let direction = lanes.widen_vector(direction);
         let of_rays = wave.paths.sample.vector(at);
-        if two_sided != 0 {
-            normal = Vector3::select(lanes.mask(two_sided), Vector3::new(zero, zero, zero), normal);
+        if rough_glass != 0 {
+            normal = Vector3::select(lanes.mask(rough_glass), Vector3::new(zero, zero, zero), normal);
         }
         let rays = &NextRays { direction, throughput: after, pdf, normal, time };
         let (origin, reflected) = (surface.near_origin, alive & !diffuse & !transmitted);
@@ -328,7 +328,7 @@ impl<E: Element> SpawnedPaths<E> {
                 lanes.store(eta, &mut etas);
             }
             self.update_states(alive, [ends, delta, transmitted], (of_rays, &etas), wave.bounces);
-            let behind = alive & transmitted & two_sided;
+            let behind = alive & transmitted & rough_glass;
             if behind != 0 {
                 // The rays start behind the points from which lights were sampled.
                 let points = lanes.store_point(surface.near_origin);
@@ -426,9 +426,9 @@ impl<L: LaneSet> Vertices<L> {
         let zero = lanes.splat(0.0);
         let outside = self.surface.normal.dot(direction);
         let mut agrees = outside.gt(zero);
-        if self.two_sided != 0 {
+        if self.rough_glass != 0 {
             let agrees_on_side = (agrees & !cos.lt(zero)) | (outside.lt(zero) & cos.lt(zero));
-            agrees = (lanes.mask(self.two_sided) & agrees_on_side) | (agrees & !lanes.mask(self.two_sided));
+            agrees = (lanes.mask(self.rough_glass) & agrees_on_side) | (agrees & !lanes.mask(self.rough_glass));
         }
         Real::select(agrees, cos, zero)
     }
@@ -437,10 +437,10 @@ impl<L: LaneSet> Vertices<L> {
     #[inline(always)]
     fn shadow_origins(&self, lanes: L, lit: u8, cos: L::F) -> (Vector3<L::D>, u8) {
         let in_front = self.normals.shadow_origin;
-        if self.two_sided & lit == 0 {
+        if self.rough_glass & lit == 0 {
             return (in_front, 0);
         }
-        let behind = self.two_sided & lit & lanes.bits(cos.lt(lanes.splat(0.0)));
+        let behind = self.rough_glass & lit & lanes.bits(cos.lt(lanes.splat(0.0)));
         if behind == 0 {
             return (in_front, 0);
         }
@@ -451,7 +451,7 @@ impl<L: LaneSet> Vertices<L> {
     /// Cosines, without their sign where light comes from both sides.
     #[inline(always)]
     fn height(&self, lanes: L, cos: L::F) -> L::F {
-        if self.two_sided == 0 { cos } else { Real::select(lanes.mask(self.two_sided), cos.abs(), cos) }
+        if self.rough_glass == 0 { cos } else { Real::select(lanes.mask(self.rough_glass), cos.abs(), cos) }
     }
 }
 

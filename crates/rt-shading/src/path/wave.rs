@@ -22,7 +22,7 @@ pub(super) struct PathBatch<'a, S> {
     pub(super) rays: &'a mut RayStream,
     pub(super) samplers: &'a [S],
     /// One list for all rays, or one for each; none for air.
-    pub(super) surroundings: &'a [InteriorList],
+    pub(super) camera_media: &'a [InteriorList],
     pub(super) seen: &'a mut [RadianceSample],
 }
 
@@ -102,11 +102,11 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
         world: &mut W,
         batch: PathBatch<'_, S>,
     ) {
-        let PathBatch { rays, samplers, surroundings, seen } = batch;
+        let PathBatch { rays, samplers, camera_media, seen } = batch;
         seen.fill(RadianceSample::MISS);
         samplers.clone_into(&mut self.samplers);
         let n_delta = inputs.lighting.lights.delta_lights().count();
-        self.spawned.start(inputs, n_delta, (samplers.len(), surroundings));
+        self.spawned.start(inputs, n_delta, (samplers.len(), camera_media));
         self.paths.clear();
         self.paths.diffuse.start(rays);
         let mut diffuse_kind = RayKind::Primary;
@@ -167,17 +167,17 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
 
 impl<E: Element> SpawnedPaths<E> {
     /// Makes space for lights and samples.
-    fn start(&mut self, inputs: &PathInputs<'_>, n_delta: usize, (n_samples, surroundings): (usize, &[InteriorList])) {
+    fn start(&mut self, inputs: &PathInputs<'_>, n_delta: usize, (n_samples, camera_media): (usize, &[InteriorList])) {
         self.delta.start(n_delta, n_samples);
         if self.states.len() < n_samples {
             self.states.resize_with(n_samples, WavePathState::default);
         }
         if inputs.materials.track_states {
             let air = InteriorList::default();
-            let surroundings = if inputs.features.refraction { surroundings } else { &[] };
-            let mut surroundings = surroundings.iter().cycle();
+            let camera_media = if inputs.features.refraction { camera_media } else { &[] };
+            let mut camera_media = camera_media.iter().cycle();
             for state in &mut self.states[..n_samples] {
-                state.restart(surroundings.next().unwrap_or(&air));
+                state.restart(camera_media.next().unwrap_or(&air));
             }
         }
     }

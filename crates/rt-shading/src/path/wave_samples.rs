@@ -58,7 +58,7 @@ impl WaveSamples {
             buffers.draw_numbers(samplers, lobe);
             buffers.select(of_rays, kinds, is_sampled);
         }
-        if inputs.plays_roulette(bounces) {
+        if inputs.uses_russian_roulette(bounces) {
             buffers.draw_numbers(samplers, roulette);
         }
     }

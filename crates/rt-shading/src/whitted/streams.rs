@@ -51,8 +51,8 @@ impl<E: Element> RayTreeStream<E> {
     }
 
     /// Lets all rays start in these media: one list for all of them, or one for each; none for air.
-    pub(super) fn start_in(&mut self, surroundings: &[InteriorList], lists: &mut InteriorLists) {
-        let mut ranges = surroundings.iter().map(|list| lists.push(list)).collect::<Vec<_>>().into_iter().cycle();
+    pub(super) fn start_in(&mut self, camera_media: &[InteriorList], lists: &mut InteriorLists) {
+        let mut ranges = camera_media.iter().map(|list| lists.push(list)).collect::<Vec<_>>().into_iter().cycle();
         for media in self.media.as_mut_slice() {
             *media = RayMedia::new(ranges.next().unwrap_or_default());
         }

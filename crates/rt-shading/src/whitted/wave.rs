@@ -28,7 +28,7 @@ use rt_math::Rgb;
 pub(super) struct RayTreeBatch<'a> {
     pub(super) rays: &'a mut RayStream,
     /// One list for all rays, or one for each; none for air.
-    pub(super) surroundings: &'a [InteriorList],
+    pub(super) camera_media: &'a [InteriorList],
     pub(super) seen: &'a mut [RadianceSample],
 }
 
@@ -125,9 +125,9 @@ impl<E: Element> RayTreeStreams<E> {
         world: &mut W,
         batch: RayTreeBatch<'_>,
     ) {
-        let RayTreeBatch { rays, surroundings, seen } = batch;
+        let RayTreeBatch { rays, camera_media, seen } = batch;
         let n_samples = seen.len();
-        self.start(inputs, rays, surroundings);
+        self.start(inputs, rays, camera_media);
         let mut first_kind = RayKind::Primary;
         loop {
             let Self { reflected, refracted, hits, spawned, radiance, .. } = self;
@@ -164,7 +164,7 @@ impl<E: Element> RayTreeStreams<E> {
     }
 
     /// Starts with camera rays in these media.
-    fn start(&mut self, inputs: &RayTreeInputs<'_>, rays: &mut RayStream, surroundings: &[InteriorList]) {
+    fn start(&mut self, inputs: &RayTreeInputs<'_>, rays: &mut RayStream, camera_media: &[InteriorList]) {
         let Self { reflected, refracted, spawned, .. } = self;
         let n_lights = inputs.appearance.lights.len();
         spawned.max_rays = batch_size(n_lights).max(rays.len());
@@ -175,7 +175,7 @@ impl<E: Element> RayTreeStreams<E> {
         reflected.start(rays);
         if inputs.settings.features.refraction {
             spawned.lists.truncate(0);
-            reflected.start_in(surroundings, &mut spawned.lists);
+            reflected.start_in(camera_media, &mut spawned.lists);
         }
     }
 

@@ -198,8 +198,8 @@ fn of_reference(scene: &mut TestScene, settings: PathSettings, rays: &[(Ray, Int
     let bsdfs = BsdfCache::default();
     let TestScene { world, appearance, lights, .. } = scene;
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
-    let (surroundings, counts) = (InteriorList::default(), ShadingCounts::default());
-    let mut reference = ReferencePathTracer { settings, lighting, surroundings, counts };
+    let (camera_media, counts) = (InteriorList::default(), ShadingCounts::default());
+    let mut reference = ReferencePathTracer { settings, lighting, camera_media, counts };
     let li = |((ray, _), mut sampler): (&(Ray, Interval), Independent)| reference.li(world, ray, &mut sampler);
     let seen = rays.iter().zip(samplers(rays.len())).map(li).collect();
     (seen, reference.counts)

@@ -11,7 +11,7 @@ use core::slice::from_ref;
 use rt_geometry::SurfaceInteraction;
 use rt_math::DQuat;
 
-/// Camera rays for each of 126 combinations of settings, surroundings and lights.
+/// Camera rays for each of 126 combinations of settings, media around the camera, and lights.
 const RAYS: u64 = 1200;
 
 /// Settings that end and weigh paths differently.
@@ -166,12 +166,12 @@ fn every_path_has_the_radiance_of_the_reference() {
     let (air, water) = (InteriorList::default(), InteriorList::filled_with(3));
     let mixed: Vec<_> = (0..RAYS).map(|at| if at % 2 == 0 { air.clone() } else { water.clone() }).collect();
     for settings in all_settings() {
-        for surroundings in [from_ref(&air), from_ref(&water), &mixed] {
-            let (seen, counts) = trace(&mut scene.world, lighting, settings, surroundings, &views(RAYS));
+        for camera_media in [from_ref(&air), from_ref(&water), &mixed] {
+            let (seen, counts) = trace(&mut scene.world, lighting, settings, camera_media, &views(RAYS));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             let (min_lit, min_null_interfaces) =
-                if surroundings == from_ref(&air) { (RAYS as usize / 2, RAYS / 3) } else { (RAYS as usize / 20, 0) };
+                if camera_media == from_ref(&air) { (RAYS as usize / 2, RAYS / 3) } else { (RAYS as usize / 20, 0) };
             assert!(
                 lit > min_lit && counts.null_interfaces >= min_null_interfaces,
                 "{lit} of {RAYS}, {settings:?}: {counts:?}"
@@ -192,8 +192,8 @@ fn every_path_through_smoke_has_the_radiance_of_the_reference() {
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     let (air, water) = (InteriorList::default(), InteriorList::filled_with(3));
     for settings in all_settings().step_by(3) {
-        for (surroundings, is_air) in [(&air, true), (&water, false)] {
-            let (seen, counts) = trace(&mut scene.world, lighting, settings, from_ref(surroundings), &views(RAYS));
+        for (camera_media, is_air) in [(&air, true), (&water, false)] {
+            let (seen, counts) = trace(&mut scene.world, lighting, settings, from_ref(camera_media), &views(RAYS));
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             assert!(
                 lit > RAYS as usize / 20 && counts.null_interfaces > RAYS / 2,

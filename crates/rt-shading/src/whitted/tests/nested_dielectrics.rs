@@ -287,9 +287,9 @@ fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
     let ray = Ray::new(DVec3::Y * 0.5, down(20.0));
     interior.find_enclosing_media(&mut world, &appearance.materials, &Ray::new(ray.origin, DVec3::new(0.1, 0.9, 0.2)));
     assert!(!interior.is_empty());
-    for surroundings in [&interior, &InteriorList::filled_with(0)] {
+    for camera_media in [&interior, &InteriorList::filled_with(0)] {
         let mut whitted = whitted_of(&appearance, 5);
-        whitted.set_surroundings(core::slice::from_ref(surroundings));
+        whitted.set_camera_media(core::slice::from_ref(camera_media));
         let seen = whitted.radiance(&mut world, &appearance, &ray).radiance;
         let in_glass = asin(sin(20f64.to_radians()) * 1.33 / 1.5);
         let expected = exp(-0.5 * 0.5 / cos(20f64.to_radians()) - 0.25 * 9.0 / cos(in_glass));
