@@ -20,7 +20,7 @@ use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 struct LightVertex<'a> {
     vertex: Vertex<'a>,
-    /// Surface with its original shading normal; a view bends it.
+    /// Surface with its original shading normal; a view turns it.
     surface: SurfaceInteraction,
     interface: Option<MediumInterface>,
 }

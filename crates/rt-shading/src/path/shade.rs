@@ -83,7 +83,7 @@ impl<E: Element> SpawnedPaths<E> {
         if wave.bounces > settings.max_depth || self.states[sample as usize].emission_only {
             return false;
         }
-        let unbent = hit.interaction.shading_normal;
+        let shading_normal = hit.interaction.shading_normal;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let cached = lighting.bsdfs.get(hit.material);
         // A BSDF is large: one that is computed here is not moved.
@@ -105,7 +105,7 @@ impl<E: Element> SpawnedPaths<E> {
             && interface.is_none()
             && !was_absorbed
         {
-            hit.interaction.shading_normal = unbent;
+            hit.interaction.shading_normal = shading_normal;
             groups.push_surface(&hit.interaction, surface);
             return true;
         }

@@ -1,6 +1,6 @@
-mod bent_normals;
 mod lanes;
 mod reference;
+mod shading_normals;
 
 use super::*;
 use crate::{

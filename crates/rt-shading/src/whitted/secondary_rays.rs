@@ -66,12 +66,16 @@ impl<E: Element> SpawnedRays<E> {
             let significant = transmits & lanes.bits(is_significant(throughput, settings.min_contribution));
             if significant != 0 {
                 let sin_i = direction.cross(normal).length();
-                let (bent, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
-                let turns_back = bent.dot(-towards_viewer).lt(zero);
-                let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, -towards_viewer), bent);
-                let bent = Vector3::select(is_null, direction, bent);
+                let (refracted_direction, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
+                let turns_back = refracted_direction.dot(-towards_viewer).lt(zero);
+                let refracted_direction = Vector3::select(
+                    turns_back,
+                    optics::reflect_lanes(refracted_direction, -towards_viewer),
+                    refracted_direction,
+                );
+                let refracted_direction = Vector3::select(is_null, direction, refracted_direction);
                 let mask = significant & lanes.bits(is_transmitted | is_null);
-                refracted = (mask != 0).then_some((mask, bent, throughput));
+                refracted = (mask != 0).then_some((mask, refracted_direction, throughput));
             }
         }
         let mut mirrored = 0;
@@ -79,12 +83,16 @@ impl<E: Element> SpawnedRays<E> {
             let throughput = throughput.scaled_by(lanes.splat_rgb(phong.mirror)) * reflected_part;
             mirrored = continues & lanes.bits(is_significant(throughput, settings.min_contribution));
             if mirrored != 0 {
-                let bent = optics::reflect_lanes(direction, normal);
+                let mirrored_direction = optics::reflect_lanes(direction, normal);
                 let zero = lanes.splat(0.0);
-                let turns_back = bent.dot(towards_viewer).lt(zero);
-                let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, towards_viewer), bent);
+                let turns_back = mirrored_direction.dot(towards_viewer).lt(zero);
+                let mirrored_direction = Vector3::select(
+                    turns_back,
+                    optics::reflect_lanes(mirrored_direction, towards_viewer),
+                    mirrored_direction,
+                );
                 let end = self.reflected.len();
-                let rays = [near_origin, lanes.widen_vector(bent)];
+                let rays = [near_origin, lanes.widen_vector(mirrored_direction)];
                 self.reflected.push_lanes(lanes, mirrored, rays, throughput, (paths, at, inputs.has_time));
                 if features.refraction {
                     for (to, lane) in (end..).zip(each_lane(mirrored)) {
@@ -93,8 +101,8 @@ impl<E: Element> SpawnedRays<E> {
                 }
             }
         }
-        if let Some((mask, bent, throughput)) = refracted {
-            let directions = lanes.widen_vector(bent);
+        if let Some((mask, refracted_direction, throughput)) = refracted {
+            let directions = lanes.widen_vector(refracted_direction);
             let outside = surface_points.outside;
             let outwards = Vector3::select(directions.dot(outside).lt(lanes.splat_f64(0.0)), -outside, outside);
             let origins = offset(lanes, surface_points, (surface_points.point, outwards), mask);

@@ -76,7 +76,7 @@ const LIT_BY: [LightKinds; 5] = [
 impl TestScene {
     fn new(kinds: LightKinds, scale: f64) -> Self {
         let emission = |sides| Emission::new(LIGHT, sides).expect("light");
-        let mut world = ShapeWorld::new(EMITTERS[0], scale).with_bent_normals();
+        let mut world = ShapeWorld::new(EMITTERS[0], scale).with_shading_normals();
         for primitive in world.0.iter_mut().filter(|primitive| primitive.material == EMITTERS[0]) {
             primitive.material = MISSING;
         }

@@ -27,7 +27,7 @@ fn all_settings() -> impl Iterator<Item = PathSettings> {
 }
 
 /// Shading normal that varies from point to point, by up to about 30 degrees.
-fn bent_normal(hit: &SurfaceHit) -> DVec3 {
+fn tilted_normal(hit: &SurfaceHit) -> DVec3 {
     let SurfaceInteraction { point, shading_normal, .. } = hit.interaction;
     let bend = (point * 3.0 + DVec3::new(0.1, 0.2, 0.3)).fract() - DVec3::splat(0.5);
     (shading_normal + bend * 0.7).normalize()
@@ -158,7 +158,7 @@ fn views(count: u64) -> Vec<Ray> {
 #[test]
 fn every_path_has_the_radiance_of_the_reference() {
     let mut scene = exhibition();
-    scene.world.shading_normal = Some(Box::new(bent_normal));
+    scene.world.shading_normal = Some(Box::new(tilted_normal));
     let lights = scene.light_set();
     let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
     assert!(bsdfs.count().0 > 4, "{:?}", bsdfs.count());

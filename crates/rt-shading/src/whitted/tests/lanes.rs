@@ -113,7 +113,7 @@ fn appearance(scale: f64) -> Appearance {
 
 /// Shapes of these materials. Every second triangle has interpolated normals, some of which face away from the viewer.
 fn shapes(appearance: &Appearance, scale: f64) -> ShapeWorld {
-    ShapeWorld::new(appearance.materials.len() as u32, scale).with_bent_normals()
+    ShapeWorld::new(appearance.materials.len() as u32, scale).with_shading_normals()
 }
 
 /// Camera rays with what they see.
