@@ -22,12 +22,12 @@ mod lane_material;
 mod light_samples;
 mod lights_behind;
 mod path_stream;
+mod ray_samples;
 mod settings;
 mod shade;
 mod shade_lanes;
 pub(crate) mod transport;
 mod wave;
-mod wave_samples;
 
 use crate::{InteriorList, RadianceSample, ShadingCounts, ShadingFeatures, StreamQueries, lanes::LaneLevel};
 pub use clamp::Clamp;

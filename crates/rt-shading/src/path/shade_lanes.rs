@@ -6,8 +6,8 @@ use super::{
     lane_bsdf::{BsdfLanes, SampledLanes},
     light_samples::LightSamples,
     path_stream::PathStream,
+    ray_samples::RaySamples,
     wave::{GatherHits, PathWave, ShadeHits, SpawnedPaths},
-    wave_samples::WaveSamples,
 };
 use crate::{
     RadianceSample,
@@ -67,7 +67,7 @@ impl<E: Element> SpawnedPaths<E> {
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
         gather: &GatherHits<'_, E>,
-        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (wave, samples): (&PathWave<'_, E>, &RaySamples),
         seen: &mut [RadianceSample],
     ) {
         let &PathWave { paths, hits, bounces } = wave;
@@ -214,7 +214,7 @@ impl<E: Element> SpawnedPaths<E> {
     fn reflect_light<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
-        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (wave, samples): (&PathWave<'_, E>, &RaySamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
         let &Vertices { at, throughput, time, .. } = vertices;
@@ -251,14 +251,14 @@ impl<E: Element> SpawnedPaths<E> {
     fn scatter<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
-        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (wave, samples): (&PathWave<'_, E>, &RaySamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
         let &Vertices { at, mask, rough_glass, ref surface, ref normals, throughput, time, .. } = vertices;
         let mut normal = normals.normal;
-        let [u, v] = &samples.direction;
+        let [u, v] = &samples.indirect_u;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
-        let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
+        let sampled = bsdf.sample(lanes.load_f64(samples.indirect_uc.vector(at)), u);
         let (mut direction, above) = bsdf.direction(&sampled);
         let SampledLanes { weight, mut pdf, valid, diffuse, delta, transmitted, eta, .. } = sampled;
         let zero = lanes.splat(0.0);
@@ -298,7 +298,7 @@ impl<E: Element> SpawnedPaths<E> {
                 eta_scale = eta_scale * (eta * eta);
             }
             let survival = survival_probability(after.x.max(after.y).max(after.z), eta_scale);
-            let u = lanes.load_f64(samples.roulette.vector(at));
+            let u = lanes.load_f64(samples.indirect_rr.vector(at));
             alive &= lanes.bits_f64(u.lt(lanes.widen(survival)));
             after = after / survival;
         }

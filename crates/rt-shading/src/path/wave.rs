@@ -5,7 +5,7 @@ use super::{
     inputs::PathInputs,
     lane_material::{LaneMaterial, VertexKind},
     path_stream::{LightBehind, PathStream, PathStreamsByKind, WavePathState},
-    wave_samples::WaveSamples,
+    ray_samples::RaySamples,
 };
 use crate::{
     InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamPrimitive, StreamQueries,
@@ -30,7 +30,7 @@ pub(super) struct PathBatch<'a, S> {
 #[derive(Clone, Debug)]
 pub(super) struct PathStreams<S, E: Element> {
     samplers: Vec<S>,
-    samples: WaveSamples,
+    samples: RaySamples,
     paths: PathStreamsByKind<E>,
     /// Paths that have passed null interfaces in this wave.
     null_interface_paths: PathStream<E>,
@@ -73,7 +73,7 @@ pub(super) struct ShadeHits<'a, E: Element> {
     pub(super) inputs: &'a PathInputs<'a>,
     pub(super) gather: &'a GatherHits<'a, E>,
     pub(super) wave: &'a PathWave<'a, E>,
-    pub(super) samples: &'a WaveSamples,
+    pub(super) samples: &'a RaySamples,
     pub(super) seen: &'a mut [RadianceSample],
 }
 
@@ -84,7 +84,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
     pub(super) fn new() -> Self {
         Self {
             samplers: Vec::new(),
-            samples: WaveSamples::default(),
+            samples: RaySamples::default(),
             paths: PathStreamsByKind::default(),
             null_interface_paths: PathStream::default(),
             hits: HitStream::default(),
