@@ -91,9 +91,9 @@ impl RenderPlan<'_> {
         tracer.layers = layers;
         let (medium, mut lists) = (&self.frame.medium, Vec::new());
         let mut result = match &self.integrator {
-            IntegratorState::Whitted => self.sample_tile(job, camera, |rays, _, seen| {
+            IntegratorState::Whitted => self.sample_tile(job, camera, |rays, _, radiances| {
                 whitted.set_camera_media(medium.find_all(&mut tracer, materials, rays, &mut lists));
-                whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
+                whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, radiances);
             }),
             IntegratorState::Path(settings) if self.integrator_kind() == Integrator::PathReference => {
                 let mut reference = ReferencePathTracer {
@@ -102,29 +102,29 @@ impl RenderPlan<'_> {
                     camera_media: InteriorList::default(),
                     counts: ShadingCounts::default(),
                 };
-                let mut result = self.sample_tile(job, camera, |rays, samplers, seen| {
-                    for (at, (sampler, seen)) in samplers.iter().zip(seen).enumerate() {
+                let mut result = self.sample_tile(job, camera, |rays, samplers, radiances| {
+                    for (at, (sampler, radiance_sample)) in samplers.iter().zip(radiances).enumerate() {
                         let (ray, _) = rays.get(at);
                         medium.find(&mut tracer, materials, &ray, &mut reference.camera_media);
-                        *seen = reference.li(&mut tracer, &ray, &mut sampler.clone());
+                        *radiance_sample = reference.li(&mut tracer, &ray, &mut sampler.clone());
                     }
                 });
                 result.shading = reference.counts;
                 result
             }
-            IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, seen| {
+            IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, radiances| {
                 paths.set_camera_media(medium.find_all(&mut tracer, materials, rays, &mut lists));
-                paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
+                paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, radiances);
             }),
-            IntegratorState::AmbientOcclusion(view) => self.sample_tile(job, camera, |rays, samplers, seen| {
-                occlusion.radiance_of(view, &mut tracer, rays, samplers, seen);
+            IntegratorState::AmbientOcclusion(view) => self.sample_tile(job, camera, |rays, samplers, radiances| {
+                occlusion.radiance_of(view, &mut tracer, rays, samplers, radiances);
             }),
             IntegratorState::Aov(view) => {
-                self.sample_tile(job, camera, |rays, _, seen| view.radiance_of(&mut tracer, rays, hits, seen))
+                self.sample_tile(job, camera, |rays, _, radiances| view.radiance_of(&mut tracer, rays, hits, radiances))
             }
-            IntegratorState::Cost => self.sample_tile(job, camera, |rays, _, seen| {
-                for (at, seen) in seen.iter_mut().enumerate() {
-                    *seen = cost(&mut tracer, &rays.get(at).0);
+            IntegratorState::Cost => self.sample_tile(job, camera, |rays, _, radiances| {
+                for (at, radiance_sample) in radiances.iter_mut().enumerate() {
+                    *radiance_sample = cost(&mut tracer, &rays.get(at).0);
                 }
             }),
         };

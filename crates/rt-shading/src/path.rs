@@ -118,18 +118,18 @@ impl<S: Sampler + Clone> PathTracer<S> {
         })
     }
 
-    /// Estimates the radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`, whose path uses
-    /// `samplers[i]`. Does nothing unless `samplers` and `seen` have an entry for each ray. Non-finite scenes give non-finite radiance,
-    /// which the caller handles.
+    /// Estimates the radiance of the camera rays of a stream, which are lost: `radiances[i]` is that of ray `i`, whose
+    /// path uses `samplers[i]`. Does nothing unless `samplers` and `radiances` have an entry for each ray. Non-finite scenes
+    /// give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
         lighting: Lighting<'_>,
         rays: &mut RayStream,
         samplers: &[S],
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
-        if seen.len() != rays.len() || samplers.len() != rays.len() {
+        if radiances.len() != rays.len() || samplers.len() != rays.len() {
             return;
         }
         let Self { settings, features, materials, camera_media, lanes, has_time, streams } = self;
@@ -140,7 +140,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport, features));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
-        let batch = PathBatch { rays, samplers, camera_media, seen };
+        let batch = PathBatch { rays, samplers, camera_media, radiances };
         match streams {
             Streams::F32(streams) => streams.trace(inputs, *lanes, world, batch),
             Streams::F64(streams) => streams.trace(inputs, None, world, batch),

@@ -113,24 +113,24 @@ impl Whitted {
 
     /// Radiance of one camera ray in a world whose queries are answered one by one, in `f64`.
     pub fn radiance(&mut self, world: &mut dyn SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
-        let (mut rays, mut seen) = (RayStream::default(), [RadianceSample::MISS]);
+        let (mut rays, mut radiances) = (RayStream::default(), [RadianceSample::MISS]);
         rays.push(ray, Interval::FORWARD);
         let is_f64 = core::mem::replace(&mut self.is_f64, true);
-        self.radiance_of_stream(&mut SingleQueries::new(world), appearance, &mut rays, &mut seen);
+        self.radiance_of_stream(&mut SingleQueries::new(world), appearance, &mut rays, &mut radiances);
         self.is_f64 = is_f64;
-        seen[0]
+        radiances[0]
     }
 
-    /// Radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`. Does nothing unless `seen` has an entry for
-    /// each ray. Non-finite scenes give non-finite radiance, which the caller handles.
+    /// Radiance of the camera rays of a stream, which are lost: `radiances[i]` is that of ray `i`. Does nothing unless
+    /// `radiances` has an entry for each ray. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
         appearance: &Appearance,
         rays: &mut RayStream,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
-        if seen.len() != rays.len() {
+        if radiances.len() != rays.len() {
             return;
         }
         self.has_time |= rays.has_time();
@@ -141,7 +141,7 @@ impl Whitted {
         let Self { settings, phongs, camera_media, lanes, has_time, is_f64, in_f32, in_f64 } = self;
         let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
         let inputs = &RayTreeInputs { settings, appearance, phongs, has_time: *has_time };
-        let batch = RayTreeBatch { rays, camera_media, seen };
+        let batch = RayTreeBatch { rays, camera_media, radiances };
         if *is_f64 {
             in_f64.trace(inputs, None, world, batch);
         } else {

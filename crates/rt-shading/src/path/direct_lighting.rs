@@ -15,7 +15,7 @@ impl<E: Element> SpawnedPaths<E> {
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
         sampler: &mut S,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         if vertex.bsdf.is_delta() {
             return;
@@ -29,7 +29,7 @@ impl<E: Element> SpawnedPaths<E> {
         } else {
             MediaAround::Clear
         };
-        self.sample_delta_lights(inputs, path, vertex, &media, seen);
+        self.sample_delta_lights(inputs, path, vertex, &media, radiance_sample);
         self.sample_light(inputs, path, vertex, &media, sampler);
     }
 
@@ -40,7 +40,7 @@ impl<E: Element> SpawnedPaths<E> {
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
         media: &MediaAround,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let (clamp, bounces) = (inputs.settings.clamp, path.wave.bounces);
         let surface = vertex.view.surface;
@@ -58,7 +58,7 @@ impl<E: Element> SpawnedPaths<E> {
                     let ray = light.shadow_ray(&shadow_rays, &lit, vertex.time);
                     media.push(stream, vertex, (lit.direction, lit.distance), (ray, path.sample, radiance));
                 } else {
-                    seen.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
+                    radiance_sample.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
                 }
             }
         }

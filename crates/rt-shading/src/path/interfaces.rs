@@ -24,7 +24,7 @@ impl<E: Element> SpawnedPaths<E> {
         wave: &PathWave<'_, E>,
         (first, glass, inside): (usize, u8, u8),
         (points, t, length): (&HitPoints<L>, &LaneArray, &LaneArray),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) -> u8 {
         let materials = &inputs.lighting.appearance.materials;
         let mut visible = 0;
@@ -41,7 +41,7 @@ impl<E: Element> SpawnedPaths<E> {
                 let MediumEntry { object, material } = entry;
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 let path = HitPath { wave, at, sample, throughput: light, interface };
-                self.skip_interface(inputs, path, &hit, length[lane], &mut seen[sample as usize]);
+                self.skip_interface(inputs, path, &hit, length[lane], &mut radiances[sample as usize]);
                 continue;
             };
             visible |= 1 << lane;

@@ -4,7 +4,8 @@ use super::{inputs::PathInputs, lane_material::VertexKind};
 use rt_geometry::StreamArray;
 use rt_math::Sampler;
 
-/// Samples by index of the ray (pbrt: `RaySamples`), one array for each number. Those of rays that are not shaded in lanes have no meaning.
+/// Samples by index of the ray (pbrt: `RaySamples`), one array for each number. Those of rays that are not
+/// shaded in lanes have no meaning.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RaySamples {
     /// Point on the sampled light.

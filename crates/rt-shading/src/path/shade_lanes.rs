@@ -55,8 +55,8 @@ struct NextRays<L: LaneSet> {
 impl<E: Element> LaneStage<E> for ShadeHits<'_, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
-        let Self { spawned, inputs, gather, wave, samples, seen } = self;
-        spawned.shade((lanes, inputs), gather, (wave, samples), seen);
+        let Self { spawned, inputs, gather, wave, samples, radiances } = self;
+        spawned.shade((lanes, inputs), gather, (wave, samples), radiances);
     }
 }
 
@@ -68,7 +68,7 @@ impl<E: Element> SpawnedPaths<E> {
         (lanes, inputs): (L, &PathInputs<'_>),
         gather: &GatherHits<'_, E>,
         (wave, samples): (&PathWave<'_, E>, &RaySamples),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let &PathWave { paths, hits, bounces } = wave;
         let n_rays = paths.rays.len();
@@ -82,13 +82,13 @@ impl<E: Element> SpawnedPaths<E> {
             }
             if bounces == 0 {
                 for lane in each_lane(mask) {
-                    seen[paths.sample.get(at + lane) as usize].hit = true;
+                    radiances[paths.sample.get(at + lane) as usize].hit = true;
                 }
             }
             let points = HitPoints::on_shapes(lanes, &self.gathered.shapes, &paths.rays, hits, at);
             let surface = ShadedSurface::new(lanes, &points, mask);
             if inputs.features.emission && self.gathered.emissive != 0 {
-                self.add_emission((lanes, inputs), wave, (at, &points, surface.inside), seen);
+                self.add_emission((lanes, inputs), wave, (at, &points, surface.inside), radiances);
             }
             let mut mask = mask & !self.gathered.emission_only;
             if mask == 0 {
@@ -103,7 +103,7 @@ impl<E: Element> SpawnedPaths<E> {
                 lanes.store_f64(points.t, &mut t);
                 lanes.store_f64(surface.length, &mut length);
                 let hits = (&points, &t, &length);
-                let visible = self.find_interfaces((lanes, inputs), wave, (at, glass, surface.inside), hits, seen);
+                let visible = self.find_interfaces((lanes, inputs), wave, (at, glass, surface.inside), hits, radiances);
                 mask = (mask & !glass) | visible;
                 if mask == 0 {
                     continue;
@@ -128,7 +128,7 @@ impl<E: Element> SpawnedPaths<E> {
             let lobes = (inputs.follows_specular_only(), &mut lobes);
             let bsdf = BsdfLanes::new(lanes, &self.gathered.bsdfs, side, direction, lobes);
             if delta != mask {
-                self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), seen);
+                self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), radiances);
                 if !inputs.lighting.lights.sampled_lights().is_empty() {
                     self.reflect_light((lanes, inputs), (wave, samples), (&vertices, &bsdf));
                 }
@@ -143,7 +143,7 @@ impl<E: Element> SpawnedPaths<E> {
         (lanes, inputs): (L, &PathInputs<'_>),
         wave: &PathWave<'_, E>,
         (first, points, inside): (usize, &HitPoints<L>, u8),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         for lane in each_lane(self.gathered.emissive) {
             let Gathered { emission, lights, .. } = &self.gathered;
@@ -156,7 +156,7 @@ impl<E: Element> SpawnedPaths<E> {
             let weight = self.mis_weight_area(inputs, wave, at, light, (on_light, light_normal));
             let radiance = wave.paths.throughput(at) * emitted * weight;
             let radiance = inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
-            seen[wave.paths.sample.get(at) as usize].radiance += radiance;
+            radiances[wave.paths.sample.get(at) as usize].radiance += radiance;
         }
     }
 
@@ -167,7 +167,7 @@ impl<E: Element> SpawnedPaths<E> {
         (lanes, inputs): (L, &PathInputs<'_>),
         wave: &PathWave<'_, E>,
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let clamp = inputs.settings.clamp;
         let Vertices { at, points, throughput, time, .. } = vertices;
@@ -199,11 +199,11 @@ impl<E: Element> SpawnedPaths<E> {
                     let radiance = lanes.store_vector(radiance);
                     for lane in each_lane(lit) {
                         let [r, g, b] = [0, 1, 2].map(|c| radiance[c][lane].into());
-                        seen[samples[lane] as usize].radiance +=
+                        radiances[samples[lane] as usize].radiance +=
                             clamp.apply(wave.bounces + 1, Rgb::new(r, g, b), &mut self.counts);
                     }
                 } else {
-                    add_radiance(lanes, lit, radiance, true, samples, seen);
+                    add_radiance(lanes, lit, radiance, true, samples, radiances);
                 }
             }
         }

@@ -23,7 +23,7 @@ pub(super) struct PathBatch<'a, S> {
     pub(super) samplers: &'a [S],
     /// One list for all rays, or one for each; none for air.
     pub(super) camera_media: &'a [InteriorList],
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 /// Streams of a wave, and the samplers of its paths.
@@ -74,7 +74,7 @@ pub(super) struct ShadeHits<'a, E: Element> {
     pub(super) gather: &'a GatherHits<'a, E>,
     pub(super) wave: &'a PathWave<'a, E>,
     pub(super) samples: &'a RaySamples,
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 /// Gathers the surfaces of the hits of some lanes, from an index on.
@@ -102,8 +102,8 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
         world: &mut W,
         batch: PathBatch<'_, S>,
     ) {
-        let PathBatch { rays, samplers, camera_media, seen } = batch;
-        seen.fill(RadianceSample::MISS);
+        let PathBatch { rays, samplers, camera_media, radiances } = batch;
+        radiances.fill(RadianceSample::MISS);
         samplers.clone_into(&mut self.samplers);
         let n_delta = inputs.lighting.lights.delta_lights().count();
         self.spawned.start(inputs, n_delta, (samplers.len(), camera_media));
@@ -119,8 +119,8 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 }
                 world.closest_stream(&paths.rays, kind, hits);
                 let mut wave = &PathWave { paths, hits, bounces };
-                spawned.group(inputs, &*world, wave, (groups, samplers), seen);
-                spawned.add_lights_behind(inputs, &mut *world, bounces, seen);
+                spawned.group(inputs, &*world, wave, (groups, samplers), radiances);
+                spawned.add_lights_behind(inputs, &mut *world, bounces, radiances);
                 let compacted;
                 if groups.is_sparse() {
                     groups.compact((wave.paths, wave.hits), dense);
@@ -132,7 +132,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered<E>| {
                     gather(world, inputs.materials, (wave.hits, groups, at), mask, gathered);
                 };
-                E::run(level, ShadeHits { spawned, inputs, gather: &gather_hits, wave, samples, seen });
+                E::run(level, ShadeHits { spawned, inputs, gather: &gather_hits, wave, samples, radiances });
             };
             for (kind, paths) in [
                 (RayKind::Reflection, &paths.reflected),
@@ -155,7 +155,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 } else {
                     light.trace(world);
                 }
-                light.add_unoccluded(|radiance| clamp.apply(bounces + 1, radiance, counts), seen);
+                light.add_unoccluded(|radiance| clamp.apply(bounces + 1, radiance, counts), radiances);
             }
             paths.clear();
             core::mem::swap(paths, &mut spawned.paths);
@@ -189,7 +189,7 @@ impl<E: Element> SpawnedPaths<E> {
         world: &W,
         wave: &PathWave<'_, E>,
         (groups, samplers): (&mut HitGroups, &mut [S]),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let PathWave { paths, hits, bounces } = wave;
         let (needs, tracks_states) = (inputs.features.surface(), inputs.materials.track_states);
@@ -205,13 +205,13 @@ impl<E: Element> SpawnedPaths<E> {
             groups.fill(primitives, if ends_all { VertexKind::EmissionOnly } else { kind });
             if !inputs.lighting.appearance.background.is_black() {
                 let misses = primitives.iter().enumerate().filter(|(_, primitive)| **primitive == HitStream::NONE);
-                misses.for_each(|(at, _)| self.add_background(inputs, wave, at, seen));
+                misses.for_each(|(at, _)| self.add_background(inputs, wave, at, radiances));
             }
             return;
         }
         for at in 0..paths.rays.len() {
             if hits.primitive.get(at) == HitStream::NONE {
-                self.add_background(inputs, wave, at, seen);
+                self.add_background(inputs, wave, at, radiances);
                 groups.push(VertexKind::Done);
                 continue;
             }
@@ -227,7 +227,7 @@ impl<E: Element> SpawnedPaths<E> {
                     matches!(material.surface, LaneSurface::MetallicRoughness(_) | LaneSurface::Layered(_));
                 if !ends && inputs.has_ambient_light(is_layered) {
                     let weight = paths.throughput(at) * material.ambient;
-                    self.add_ambient(inputs, *bounces, weight, &mut seen[id]);
+                    self.add_ambient(inputs, *bounces, weight, &mut radiances[id]);
                 }
                 groups.push(if ends { VertexKind::EmissionOnly } else { VertexKind::of(&material.surface) });
                 continue;
@@ -235,9 +235,9 @@ impl<E: Element> SpawnedPaths<E> {
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
             let hit = &mut world.surface(&ray, hits, at, needs);
-            let is_in_lanes = hit
-                .as_mut()
-                .is_some_and(|hit| self.shade_hit(inputs, (wave, at), hit, (groups, &mut samplers[id]), &mut seen[id]));
+            let is_in_lanes = hit.as_mut().is_some_and(|hit| {
+                self.shade_hit(inputs, (wave, at), hit, (groups, &mut samplers[id]), &mut radiances[id])
+            });
             if !is_in_lanes {
                 groups.push(VertexKind::Done);
             }
@@ -250,7 +250,7 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         wave: &PathWave<'_, E>,
         at: usize,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let background = &inputs.lighting.appearance.background;
         if background.is_black() {
@@ -265,7 +265,7 @@ impl<E: Element> SpawnedPaths<E> {
         let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
         let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };
         let radiance = wave.paths.throughput(at) * weight * background.radiance(ray.direction);
-        seen[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
+        radiances[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
     }
 
     /// Adds ambient light that a surface reflects, with this weight in the pixel.
@@ -274,10 +274,10 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         bounces: u32,
         weight: Rgb,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let radiance = weight * inputs.lighting.appearance.ambient;
-        seen.radiance += inputs.settings.clamp.apply(bounces + 1, radiance, &mut self.counts);
+        radiance_sample.radiance += inputs.settings.clamp.apply(bounces + 1, radiance, &mut self.counts);
     }
 }
 

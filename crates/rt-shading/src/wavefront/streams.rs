@@ -149,12 +149,12 @@ impl<E: Element> ShadowRayStream<E> {
     }
 
     /// Adds the light of the rays that are not occluded, and removes all rays. `bounded` is applied to that light.
-    pub(crate) fn add_unoccluded(&mut self, mut bounded: impl FnMut(Rgb) -> Rgb, seen: &mut [RadianceSample]) {
+    pub(crate) fn add_unoccluded(&mut self, mut bounded: impl FnMut(Rgb) -> Rgb, radiances: &mut [RadianceSample]) {
         let [r, g, b] = &self.radiance;
         for (at, is_occluded) in self.occluded[..self.rays.len()].iter().enumerate() {
             if !is_occluded {
                 let radiance = Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into());
-                seen[self.sample.get(at) as usize].radiance += bounded(radiance);
+                radiances[self.sample.get(at) as usize].radiance += bounded(radiance);
             }
         }
         self.rays.clear();
@@ -192,13 +192,13 @@ pub(crate) fn add_radiance<L: LaneSet>(
     radiance: Vector3<L::F>,
     is_hit: bool,
     samples: &[u32; 8],
-    seen: &mut [RadianceSample],
+    radiances: &mut [RadianceSample],
 ) {
     let [r, g, b] = lanes.store_vector(radiance);
     for lane in each_lane(mask) {
-        let seen = &mut seen[samples[lane & 7] as usize];
-        seen.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
-        seen.hit |= is_hit;
+        let radiance_sample = &mut radiances[samples[lane & 7] as usize];
+        radiance_sample.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
+        radiance_sample.hit |= is_hit;
     }
 }
 

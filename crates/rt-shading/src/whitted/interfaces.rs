@@ -23,7 +23,7 @@ impl<E: Element> SpawnedRays<E> {
         (lanes, inputs): (L, &RayTreeInputs<'_>),
         group: &mut HitGroup<'_, L>,
         paths: &RayTreeStream<E>,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let &RayTreeInputs { settings, appearance, .. } = inputs;
         for lane in each_lane(group.mask) {
@@ -58,7 +58,7 @@ impl<E: Element> SpawnedRays<E> {
                 group.mask &= !(1 << lane);
                 let MediumEntry { object, material } = surfaces.medium_entry(lane);
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
-                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), seen);
+                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), radiances);
                 continue;
             }
             if settings.features.absorption {
@@ -95,10 +95,10 @@ impl<E: Element> SpawnedRays<E> {
         (paths, at): (&RayTreeStream<E>, usize),
         hit: &SurfaceHit,
         interface: (Option<&MediumInterface>, f64),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let (path, (ray, _)) = (paths.get(at), paths.rays.get(at));
-        let seen = &mut seen[path.branch as usize];
-        self.skip_interface(inputs, (&ray, path), hit, interface, seen);
+        let radiance_sample = &mut radiances[path.branch as usize];
+        self.skip_interface(inputs, (&ray, path), hit, interface, radiance_sample);
     }
 }

@@ -15,20 +15,20 @@ impl<E: Element> SpawnedRays<E> {
         mut path: RayTreePath,
         ray: &Ray,
         hit: &mut SurfaceHit,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let (features, materials) = (&inputs.settings.features, &inputs.appearance.materials);
         let Some(context) = HitContext::new(features, materials, ray, hit) else {
-            seen.hit = true;
+            radiance_sample.hit = true;
             return;
         };
         self.media.resume(&self.lists, path.media);
         let interface = context.interface(&mut self.media.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         if !context.is_visible(interface) {
-            return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), seen);
+            return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), radiance_sample);
         }
-        seen.hit = true;
+        radiance_sample.hit = true;
         let mut absorption = Rgb::BLACK;
         if features.absorption {
             absorption = self.media.absorb(materials, interface, hit.t, context.length, &mut path.throughput);
@@ -43,7 +43,7 @@ impl<E: Element> SpawnedRays<E> {
             absorption = Rgb::BLACK;
         }
         let near = (absorption, interior.as_ref());
-        self.shade_direct(inputs, (material, phong), (&view, near), (&path, ray.time), seen);
+        self.shade_direct(inputs, (material, phong), (&view, near), (&path, ray.time), radiance_sample);
         let interface = interface.filter(|_| phong.transmission.is_some());
         self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
@@ -55,12 +55,12 @@ impl<E: Element> SpawnedRays<E> {
         (ray, mut path): (&Ray, RayTreePath),
         hit: &SurfaceHit,
         (interface, length): (Option<&MediumInterface>, f64),
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let media = &mut self.media;
         let is_dimmed = media.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
         self.counts.absorption += u64::from(is_dimmed);
-        seen.hit |= is_dimmed;
+        radiance_sample.hit |= is_dimmed;
         path.depth += u32::from(media.null_limit_exceeded());
         if path.depth > inputs.settings.max_depth {
             self.counts.depth_limited += 1;
@@ -78,7 +78,7 @@ impl<E: Element> SpawnedRays<E> {
         (material, phong): (&Material, &Phong),
         (view, (absorption, interior)): (&ViewedSurface<'_>, (Rgb, Option<&InteriorList>)),
         (path, time): (&RayTreePath, f64),
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let &RayTreeInputs { appearance, settings, .. } = inputs;
         let (features, surface, textures) = (&settings.features, view.surface, &appearance.textures);
@@ -89,7 +89,7 @@ impl<E: Element> SpawnedRays<E> {
         if features.ambient {
             radiance += material.ambient(phong, textures, surface) * appearance.ambient;
         }
-        seen.radiance += path.throughput * radiance;
+        radiance_sample.radiance += path.throughput * radiance;
         let diffuse = phong.diffuse.at(textures, surface);
         let specular = if features.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
@@ -123,7 +123,7 @@ impl<E: Element> SpawnedRays<E> {
                                 stream.start_in(interior.clone());
                             }
                         } else {
-                            seen.radiance += radiance;
+                            radiance_sample.radiance += radiance;
                         }
                     }
                     _ => self.counts.shadow_rays_skipped += u64::from(shadowed),

@@ -27,8 +27,8 @@ use rt_math::{Real, Rgb};
 impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeRayTreeHits<'_, W, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
-        let Self { spawned, inputs, world, wave, seen } = self;
-        spawned.shade((lanes, inputs), world, wave, seen);
+        let Self { spawned, inputs, world, wave, radiances } = self;
+        spawned.shade((lanes, inputs), world, wave, radiances);
     }
 }
 
@@ -40,14 +40,14 @@ impl<E: Element> SpawnedRays<E> {
         (lanes, inputs): (L, &RayTreeInputs<'_>),
         world: &W,
         (paths, hits): RayTreeWave<'_, E>,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         for at in (0..paths.len()).step_by(L::N) {
             let used = first_lanes((paths.len() - at).min(L::N));
             let [instances, indices] = [hits.instance.vector(at), hits.primitive.vector(at)];
             let missed = lanes.equal(indices, HitStream::NONE) & used;
             if missed != 0 {
-                leave_scene((lanes, inputs), missed, (paths, at), seen);
+                leave_scene((lanes, inputs), missed, (paths, at), radiances);
             }
             let mut rest = self.in_lanes.bits(at) & used & !missed;
             while let Some(first) = each_lane(rest).next() {
@@ -62,8 +62,14 @@ impl<E: Element> SpawnedRays<E> {
                 let points = match shape {
                     StreamShape::Triangle(_) | StreamShape::MeshTriangle(..) => {
                         let material = (model, material);
-                        rest &=
-                            !self.shade_triangles((lanes, inputs), world, (paths, hits), (at, rest), material, seen);
+                        rest &= !self.shade_triangles(
+                            (lanes, inputs),
+                            world,
+                            (paths, hits),
+                            (at, rest),
+                            material,
+                            radiances,
+                        );
                         continue;
                     }
                     StreamShape::Sphere(sphere) => HitPoints::on_sphere(lanes, sphere, (&paths.rays, hits), at),
@@ -80,7 +86,7 @@ impl<E: Element> SpawnedRays<E> {
                 let surface = &ShadedSurface::new(lanes, &points, mask);
                 let (normals, objects) = (&ShadingNormals::flat(&points, surface), &[object; LANES]);
                 let surfaces = &HitSurfaces { points: &points, surface, normals, uv, objects, material };
-                self.shade_by_cell((lanes, inputs), model, surfaces, (paths, at, mask), seen);
+                self.shade_by_cell((lanes, inputs), model, surfaces, (paths, at, mask), radiances);
             }
         }
     }
@@ -94,7 +100,7 @@ impl<E: Element> SpawnedRays<E> {
         (paths, hits): RayTreeWave<'_, E>,
         (at, mask): (usize, u8),
         (model, material): (&LanePhong, u32),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) -> u8 {
         lanes.vectorize(
             #[inline(always)]
@@ -111,7 +117,7 @@ impl<E: Element> SpawnedRays<E> {
                 }
                 let uv = if has_uv { Some(HitPoints::uv_on_triangles(lanes, &self.gathered, hits, at)) } else { None };
                 let surfaces = &HitSurfaces { points, surface, normals: &normals, uv, objects: &objects, material };
-                self.shade_by_cell((lanes, inputs), model, surfaces, (paths, at, mask), seen);
+                self.shade_by_cell((lanes, inputs), model, surfaces, (paths, at, mask), radiances);
                 mask
             },
         )
@@ -161,7 +167,7 @@ impl<E: Element> SpawnedRays<E> {
         model: &LanePhong,
         surfaces: &HitSurfaces<'_, L>,
         (paths, at, mask): (&RayTreeStream<E>, usize, u8),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let mut odd = 0;
         if let Some(uv) = surfaces.uv {
@@ -172,7 +178,7 @@ impl<E: Element> SpawnedRays<E> {
                 let (throughput, eta) = (lanes.load_vector(&paths.throughput, at), lanes.splat(1.0));
                 let phong = model.cell(cell);
                 let group = HitGroup { phong, surfaces, at, mask, throughput, transmits: 0, eta, absorbed: 0 };
-                self.shade_group((lanes, inputs), group, paths, seen);
+                self.shade_group((lanes, inputs), group, paths, radiances);
             }
         }
     }
@@ -183,18 +189,18 @@ impl<E: Element> SpawnedRays<E> {
         (lanes, inputs): (L, &RayTreeInputs<'_>),
         mut group: HitGroup<'_, L>,
         paths: &RayTreeStream<E>,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         if inputs.settings.features.refraction {
-            self.find_interfaces((lanes, inputs), &mut group, paths, seen);
+            self.find_interfaces((lanes, inputs), &mut group, paths, radiances);
             if group.mask == 0 {
                 return;
             }
         }
         self.counts.lanes += L::N as u64;
         self.counts.lanes_used += u64::from(group.mask.count_ones());
-        self.add_emission(lanes, &group, paths, seen);
-        self.sample_lights((lanes, inputs), &group, paths, seen);
+        self.add_emission(lanes, &group, paths, radiances);
+        self.sample_lights((lanes, inputs), &group, paths, radiances);
         self.spawn_rays((lanes, inputs), &group, paths);
     }
 
@@ -205,7 +211,7 @@ impl<E: Element> SpawnedRays<E> {
         lanes: L,
         group: &HitGroup<'_, L>,
         paths: &RayTreeStream<E>,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let inside = group.surfaces.surface.inside;
         for (mask, side) in [(group.mask & !inside, 0), (group.mask & inside, 1)] {
@@ -217,7 +223,7 @@ impl<E: Element> SpawnedRays<E> {
                     lanes.splat_rgb(radiance).scaled_by(group.throughput),
                     true,
                     paths.branch.vector(group.at),
-                    seen,
+                    radiances,
                 );
             }
         }
@@ -230,7 +236,7 @@ impl<E: Element> SpawnedRays<E> {
         (lanes, inputs): (L, &RayTreeInputs<'_>),
         group: &HitGroup<'_, L>,
         paths: &RayTreeStream<E>,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let &RayTreeInputs { settings, appearance, .. } = inputs;
         let &HitGroup { phong, surfaces: &HitSurfaces { points, surface, normals, .. }, at, mask, .. } = group;
@@ -261,7 +267,7 @@ impl<E: Element> SpawnedRays<E> {
                 let lit = faced & !lanes.bits(is_zero(radiance));
                 let radiance = radiance.scaled_by(group.throughput);
                 if !shadowed {
-                    add_radiance(lanes, lit, radiance, true, paths.branch.vector(at), seen);
+                    add_radiance(lanes, lit, radiance, true, paths.branch.vector(at), radiances);
                     continue;
                 }
                 let mut radiance = radiance;
@@ -286,18 +292,18 @@ fn leave_scene<E: Element, L: LaneSet<Element = E>>(
     (lanes, inputs): (L, &RayTreeInputs<'_>),
     missed: u8,
     (paths, at): (&RayTreeStream<E>, usize),
-    seen: &mut [RadianceSample],
+    radiances: &mut [RadianceSample],
 ) {
     match inputs.appearance.background {
         Background::Constant(radiance) if is_in_range(radiance) => {
             let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.throughput, at));
-            add_radiance(lanes, missed, radiance, false, paths.branch.vector(at), seen);
+            add_radiance(lanes, missed, radiance, false, paths.branch.vector(at), radiances);
         }
         ref background => {
             for lane in each_lane(missed) {
                 let (ray, _) = paths.rays.get(at + lane);
                 let radiance = paths.throughput(at + lane) * background.radiance(ray.direction);
-                seen[paths.branch.get(at + lane) as usize].radiance += radiance;
+                radiances[paths.branch.get(at + lane) as usize].radiance += radiance;
             }
         }
     }

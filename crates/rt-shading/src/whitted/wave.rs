@@ -29,7 +29,7 @@ pub(super) struct RayTreeBatch<'a> {
     pub(super) rays: &'a mut RayStream,
     /// One list for all rays, or one for each; none for air.
     pub(super) camera_media: &'a [InteriorList],
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 #[derive(Clone, Debug, Default)]
@@ -91,7 +91,7 @@ pub(super) struct ShadeRayTreeHits<'a, W, E: Element> {
     pub(super) inputs: &'a RayTreeInputs<'a>,
     pub(super) world: &'a W,
     pub(super) wave: RayTreeWave<'a, E>,
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 /// Set of rays of a stream.
@@ -125,8 +125,8 @@ impl<E: Element> RayTreeStreams<E> {
         world: &mut W,
         batch: RayTreeBatch<'_>,
     ) {
-        let RayTreeBatch { rays, camera_media, seen } = batch;
-        let n_samples = seen.len();
+        let RayTreeBatch { rays, camera_media, radiances } = batch;
+        let n_samples = radiances.len();
         self.start(inputs, rays, camera_media);
         let mut first_kind = RayKind::Primary;
         loop {
@@ -141,7 +141,7 @@ impl<E: Element> RayTreeStreams<E> {
                     spawned.group(inputs, &*world, (paths, hits), radiance);
                     E::run(
                         level,
-                        ShadeRayTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen: radiance },
+                        ShadeRayTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), radiances: radiance },
                     );
                 }
             }
@@ -158,8 +158,8 @@ impl<E: Element> RayTreeStreams<E> {
                 break;
             }
         }
-        for (seen, radiance) in seen.iter_mut().zip(&mut self.radiance) {
-            *seen = core::mem::replace(radiance, RadianceSample::MISS);
+        for (radiance_sample, radiance) in radiances.iter_mut().zip(&mut self.radiance) {
+            *radiance_sample = core::mem::replace(radiance, RadianceSample::MISS);
         }
     }
 
@@ -259,7 +259,7 @@ impl<E: Element> SpawnedRays<E> {
         inputs: &RayTreeInputs<'_>,
         world: &W,
         (paths, hits): RayTreeWave<'_, E>,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let are_all = inputs.phongs.are_complete && world.has_only_primitives();
         self.in_lanes = RaySet::all(are_all);
@@ -281,8 +281,8 @@ impl<E: Element> SpawnedRays<E> {
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
             if let Some(hit) = &mut world.surface(&ray, hits, at, needs) {
-                let seen = &mut seen[paths.branch.get(at) as usize];
-                self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
+                let radiance_sample = &mut radiances[paths.branch.get(at) as usize];
+                self.shade_hit(inputs, paths.get(at), &ray, hit, radiance_sample);
             }
         }
     }
