@@ -51,17 +51,17 @@ fn spiral(count: u32) -> Discs {
     Discs((0..count).map(disc).collect())
 }
 
-/// Traces all rays and reports their sum, so that structures can be compared at a glance.
-fn trace<A: Accelerator>(name: &str, structure: &A, discs: &Discs, rays: &[Ray]) {
+/// Traces all rays and reports their sum, so that accelerators can be compared at a glance.
+fn trace<A: Accelerator>(name: &str, accelerator: &A, discs: &Discs, rays: &[Ray]) {
     let start = Instant::now();
-    let hits = rays.iter().filter_map(|ray| structure.closest(discs, ray, Interval::FORWARD, &mut NoProbe));
+    let hits = rays.iter().filter_map(|ray| accelerator.closest(discs, ray, Interval::FORWARD, &mut NoProbe));
     let (count, sum) = hits.fold((0, 0.0), |(count, sum), hit| (count + 1, sum + hit.t));
     let seconds = start.elapsed().as_secs_f64();
 
     // The same once more, counting: a probe that counts costs time, `NoProbe` costs nothing.
     let mut counters = Counters::default();
     for ray in rays {
-        structure.closest(discs, ray, Interval::FORWARD, &mut counters);
+        accelerator.closest(discs, ray, Interval::FORWARD, &mut counters);
     }
     let tests = counters.total().tests as f64 / rays.len() as f64;
     let speed = rays.len() as f64 / seconds / 1e6;

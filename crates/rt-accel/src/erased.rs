@@ -29,7 +29,7 @@ trait ErasedPrimitives: Sync {
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool;
     fn batch_kernel(&self, index: u32) -> BatchKernel;
     fn hit_ids(&self, index: u32) -> [u32; 2];
-    fn blocks(&self, index: u32) -> bool;
+    fn casts_shadow(&self, index: u32) -> bool;
     fn geometry(&self, index: u32) -> PrimitiveGeometry;
 }
 
@@ -66,9 +66,9 @@ macro_rules! forward_primitives {
             $value.hit_ids(index)
         }
 
-        fn blocks(&self, index: u32) -> bool {
+        fn casts_shadow(&self, index: u32) -> bool {
             let $primitives = self;
-            $value.blocks(index)
+            $value.casts_shadow(index)
         }
 
         fn geometry(&self, index: u32) -> PrimitiveGeometry {

@@ -118,14 +118,14 @@ impl Accelerator for Linear {
         &self,
         primitives: &P,
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
         if let Some(small_set) = self.small_set() {
-            return small_set.occluded_batch(primitives, rays, blocked, probe);
+            return small_set.occluded_batch(primitives, rays, occluded, probe);
         }
-        for ((ray, span), blocked) in rays.iter().zip(blocked) {
-            *blocked = self.occluded(primitives, ray, *span, probe);
+        for ((ray, span), occluded) in rays.iter().zip(occluded) {
+            *occluded = self.occluded(primitives, ray, *span, probe);
         }
     }
 

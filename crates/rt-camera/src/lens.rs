@@ -228,8 +228,8 @@ mod tests {
             let projection = if parallel { PARALLEL } else { PINHOLE };
             let camera = camera(projection, Some(lens(if round { None } else { Some(7) })));
             let raster = DVec2::new(x, y);
-            let (straight, bent) = (camera.ray(raster, 0.0), camera.generate_ray(raster, [u, v], 0.0));
-            prop_assert!((straight.at(3.0) - bent.at(3.0)).length() < 1e-14 * 30.0);
+            let (straight, refracted) = (camera.ray(raster, 0.0), camera.generate_ray(raster, [u, v], 0.0));
+            prop_assert!((straight.at(3.0) - refracted.at(3.0)).length() < 1e-14 * 30.0);
         }
 
         #[test]

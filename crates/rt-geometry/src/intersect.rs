@@ -98,12 +98,12 @@ pub fn occludes_primitive_uncounted<P: Primitives, S: Probe>(
     span: Interval,
     probe: &mut S,
 ) -> bool {
-    let blocked = primitives.occludes_with_stats(index, ray, span, probe)
+    let occluded = primitives.occludes_with_stats(index, ray, span, probe)
         && padded_bounds_entry(primitives, index, ray, span).is_some();
-    if blocked {
+    if occluded {
         probe.hit();
     }
-    blocked
+    occluded
 }
 
 /// [`intersect_primitive_uncounted`] for many rays, with identical results: `hits[i]` belongs to `rays[i]`. Ignores
@@ -133,13 +133,13 @@ pub fn occludes_primitive_batch<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
     rays: &[(Ray, Interval)],
-    blocked: &mut [bool],
+    occluded: &mut [bool],
     probe: &mut S,
 ) {
-    primitives.occludes_batch(index, rays, blocked, probe);
-    for ((ray, span), blocked) in rays.iter().zip(blocked) {
-        *blocked = *blocked && padded_bounds_entry(primitives, index, ray, *span).is_some();
-        if *blocked {
+    primitives.occludes_batch(index, rays, occluded, probe);
+    for ((ray, span), occluded) in rays.iter().zip(occluded) {
+        *occluded = *occluded && padded_bounds_entry(primitives, index, ray, *span).is_some();
+        if *occluded {
             probe.hit();
         }
     }

@@ -113,7 +113,7 @@ pub trait Primitives: Sync {
     /// False if primitive `index` occludes no ray: [`occludes`](Self::occludes) is never true. Otherwise `occludes`
     /// agrees with the [`batch_kernel`](Self::batch_kernel), if that is a shape.
     #[inline]
-    fn blocks(&self, _index: u32) -> bool {
+    fn casts_shadow(&self, _index: u32) -> bool {
         true
     }
 
@@ -126,11 +126,11 @@ pub trait Primitives: Sync {
         }
     }
 
-    /// [`occludes_with_stats`](Self::occludes_with_stats) for many rays, with identical results; `blocked[i]` belongs
+    /// [`occludes_with_stats`](Self::occludes_with_stats) for many rays, with identical results; `occluded[i]` belongs
     /// to `rays[i]`.
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        for ((ray, span), blocked) in rays.iter().zip(blocked) {
-            *blocked = self.occludes_with_stats(index, ray, *span, probe);
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+        for ((ray, span), occluded) in rays.iter().zip(occluded) {
+            *occluded = self.occludes_with_stats(index, ray, *span, probe);
         }
     }
 

@@ -38,11 +38,11 @@ impl AccelOptions {
 /// Builds the requested accelerator; `Auto` selects one for the primitives.
 pub(crate) fn build<P: Primitives>(accel_options: AccelOptions, primitives: &P) -> Result<AnyAccelerator, BuildError> {
     let is_small = is_small(primitives, 0..primitives.len() as u32);
-    let structure =
+    let accelerator =
         AnyAccelerator::build_with(choose(accel_options.accel, is_small), accel_options.quality, primitives)?;
     Ok(match accel_options.simd {
-        Some(level) => structure.with_level(level),
-        None => structure,
+        Some(level) => accelerator.with_level(level),
+        None => accelerator,
     })
 }
 

@@ -131,8 +131,8 @@ mod tests {
             let at = |k: u32| random::unit(random::hash(&[1, u64::from(i), u64::from(k)]));
             Ray::new(DVec3::new(at(0), at(1), 1.0), DVec3::NEG_Z)
         };
-        let blocked: usize = (0..10_000).map(|i| hits(&blend, &[], &ray(i))).sum();
+        let occluded: usize = (0..10_000).map(|i| hits(&blend, &[], &ray(i))).sum();
         // 5 standard deviations of 46.
-        assert!(blocked.abs_diff(3000) < 230, "{blocked} of 10,000");
+        assert!(occluded.abs_diff(3000) < 230, "{occluded} of 10,000");
     }
 }

@@ -86,8 +86,8 @@ impl CameraMedium {
 fn find_enclosing(scene: &Scene, world: &World, ray: &Ray) -> InteriorList {
     let materials = &scene.appearance.materials;
     let mut interior = InteriorList::default();
-    let (world, structure) = (world.instances(), &world.top.structure);
-    let mut tracer = SceneTracer::new(&world, structure, PrimaryTarget::All(structure), WorkProbe::default());
+    let (world, accelerator) = (world.instances(), &world.top.accelerator);
+    let mut tracer = SceneTracer::new(&world, accelerator, PrimaryTarget::All(accelerator), WorkProbe::default());
     interior.find_enclosing_media(&mut tracer, materials, ray);
     interior
 }

@@ -177,7 +177,7 @@ impl RenderPlan<'_> {
         if used.is_empty() {
             used.push("no objects".to_owned());
         }
-        used.extend(self.structures());
+        used.extend(self.accelerators());
         if self.frame.has_motion {
             used.extend(self.motion(counts));
         }
@@ -238,7 +238,7 @@ impl RenderPlan<'_> {
         Some(format!("light tracing: {paths} light paths per pass, emitted {directions}"))
     }
 
-    fn structures(&self) -> Vec<String> {
+    fn accelerators(&self) -> Vec<String> {
         let accel_options = self.scene.accel;
         let line = |level: &str, accelerator: &AnyAccelerator, primitives: usize, reason: String| {
             let primitives = count(primitives, "primitive", "primitives");
@@ -251,13 +251,13 @@ impl RenderPlan<'_> {
         // Apply the selection rule again to the primitives of each accelerator.
         let aggregate = |level: &str, aggregate: &Aggregate, levels: &BottomLevel| {
             let reason = reason(accel_options, &aggregate.set(levels));
-            line(level, &aggregate.structure, aggregate.instances.len(), reason)
+            line(level, &aggregate.accelerator, aggregate.instances.len(), reason)
         };
         let visible = |reason: &dyn Fn(&VisibleSet) -> String| {
             let visible = self.frame.visible.as_ref()?;
             Some(line(
                 "  objects in view, for camera rays",
-                visible.structure(),
+                visible.accelerator(),
                 visible.of() - visible.left_out(),
                 reason(visible),
             ))
@@ -269,7 +269,7 @@ impl RenderPlan<'_> {
         lines.extend(levels.meshes.iter().map(|level| {
             let reason = reason(accel_options, &*level.mesh);
             let kind = if level.alpha_test.is_some() { "  mesh with alpha test" } else { "  mesh" };
-            line(kind, &level.structure, level.mesh.data().triangles.len(), reason)
+            line(kind, &level.accelerator, level.mesh.data().triangles.len(), reason)
         }));
         if self.frame.culls_tiles {
             lines.push(format!(
@@ -289,11 +289,11 @@ impl RenderPlan<'_> {
     }
 
     fn has_wide_tree(&self) -> bool {
-        let is_wide = |structure: &AnyAccelerator| matches!(structure, AnyAccelerator::Wide(_));
+        let is_wide = |accelerator: &AnyAccelerator| matches!(accelerator, AnyAccelerator::Wide(_));
         let World { top, levels } = &self.scene.world;
-        is_wide(&top.structure)
-            || levels.groups.iter().any(|group| is_wide(&group.structure))
-            || levels.meshes.iter().any(|mesh| is_wide(&mesh.structure))
+        is_wide(&top.accelerator)
+            || levels.groups.iter().any(|group| is_wide(&group.accelerator))
+            || levels.meshes.iter().any(|mesh| is_wide(&mesh.accelerator))
     }
 
     fn light(&self) -> Vec<String> {
@@ -376,7 +376,7 @@ impl RenderPlan<'_> {
         let whitted = self.integrator_kind() == Integrator::Whitted;
         let lit = !self.scene.appearance.lights.is_empty();
         let n = &self.scene.features;
-        let linear = matches!(self.scene.world.top.structure, AnyAccelerator::Linear(_));
+        let linear = matches!(self.scene.world.top.accelerator, AnyAccelerator::Linear(_));
         let geometry = [
             (triangles == 0, "triangles", "the scene has none"),
             (

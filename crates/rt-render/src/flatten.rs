@@ -166,7 +166,7 @@ impl<'s> Flattener<'s> {
             self.number(&mut instances)?;
         }
         let is_flat =
-            self.may_be_flat && !within_group && !instances.iter().any(|instance| instance.geometry.is_structure());
+            self.may_be_flat && !within_group && !instances.iter().any(|instance| instance.geometry.is_accelerator());
         let mut set = Instances { instances: &instances, levels: &self.levels, is_flat, has_only_primitives: false };
         let is_textured =
             |material: u32| self.scene.appearance.materials.get(material as usize).is_none_or(Material::is_textured);
@@ -177,14 +177,14 @@ impl<'s> Flattener<'s> {
             })
         });
         set.has_only_primitives = has_only_primitives;
-        let structure = accel_choice::build(self.accel_options, &set).map_err(|source| {
+        let accelerator = accel_choice::build(self.accel_options, &set).map_err(|source| {
             let object = match source {
                 BuildError::BadBounds { index, .. } => instances[index as usize].name.to_string(),
                 _ => self.scene.name.clone(),
             };
             RenderError::Build { object, source }
         })?;
-        Ok(Aggregate { instances, structure, is_flat, has_only_primitives })
+        Ok(Aggregate { instances, accelerator, is_flat, has_only_primitives })
     }
 
     /// Upper bound on the number of instances of [`collect`](Self::collect).
@@ -390,15 +390,15 @@ impl<'s> Flattener<'s> {
 
     fn mesh_level(&self, named: &NamedMesh, alpha_test: Option<AlphaTest>) -> Result<MeshBlas, RenderError> {
         let mesh = Arc::clone(&named.mesh);
-        let structure = match &alpha_test {
+        let accelerator = match &alpha_test {
             None => accel_choice::build(self.accel_options, &*mesh),
             Some(alpha_test) => accel_choice::build(
                 self.accel_options,
                 &AlphaTestedMesh { mesh: &mesh, alpha_test, textures: &self.levels.textures },
             ),
         };
-        let structure = structure.map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
-        Ok(MeshBlas { mesh, alpha_test, structure })
+        let accelerator = accelerator.map_err(|source| RenderError::Build { object: named.name.clone(), source })?;
+        Ok(MeshBlas { mesh, alpha_test, accelerator })
     }
 
     /// Instance of a group; `None` if the group is empty.
@@ -445,14 +445,14 @@ impl<'s> Flattener<'s> {
         // Shadow rays ignore media. A solid of air must not cast a shadow in air; as a bubble in glass, the surface of the
         // glass blocks the ray.
         let material = (!is_group).then(|| &self.scene.appearance.materials[node.material.0 as usize]);
-        let is_passed = material.is_some_and(Material::passes_shadow_rays);
+        let passes_shadow_rays = material.is_some_and(Material::passes_shadow_rays);
         let normal_map = material.and_then(|material| material.normal_map);
         Ok(Instance {
             geometry,
             normal_map,
             textured: true,
             material: node.material.0,
-            casts_shadow: here.casts_shadow && !is_passed,
+            casts_shadow: here.casts_shadow && !passes_shadow_rays,
             bounds,
             object: 0,
             object_id: 0,

@@ -17,7 +17,7 @@ use crate::accel_choice::{self, AccelOptions, MAX_LINEAR_SPHERES, is_small};
 pub(crate) struct VisibleSet {
     /// Indices into the whole set, ascending.
     indices: Vec<u32>,
-    structure: AnyAccelerator,
+    accelerator: AnyAccelerator,
     /// Number of primitives of the whole set.
     of: usize,
 }
@@ -39,16 +39,16 @@ impl VisibleSet {
         if indices.len() > of / 2 {
             return Ok(None);
         }
-        let structure = accel_choice::build(accel_options, &Subset { all: primitives, indices: &indices })?;
-        Ok(Some(Self { indices, structure, of }))
+        let accelerator = accel_choice::build(accel_options, &Subset { all: primitives, indices: &indices })?;
+        Ok(Some(Self { indices, accelerator, of }))
     }
 
     const fn subset<'a, P>(&'a self, all: &'a P) -> Subset<'a, P> {
         Subset { all, indices: self.indices.as_slice() }
     }
 
-    pub(crate) const fn structure(&self) -> &AnyAccelerator {
-        &self.structure
+    pub(crate) const fn accelerator(&self) -> &AnyAccelerator {
+        &self.accelerator
     }
 
     /// Rule by which the accelerator was chosen.
@@ -71,7 +71,7 @@ impl VisibleSet {
 /// `wider` set, if there is one, and otherwise the accelerator of all primitives.
 pub(crate) fn collect_small<P: Primitives>(
     primitives: &P,
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     wider: Option<&VisibleSet>,
     volume: &ViewVolume,
 ) -> Option<SmallSet> {
@@ -90,10 +90,10 @@ pub(crate) fn collect_small<P: Primitives>(
     };
     let region = FrustumRegion(volume);
     match wider {
-        None => structure.visit_overlapping(primitives, &region, note),
+        None => accelerator.visit_overlapping(primitives, &region, note),
         Some(wider) => {
             wider
-                .structure
+                .accelerator
                 .visit_overlapping(&wider.subset(primitives), &region, |at| note(wider.indices[at as usize]));
         }
     }
@@ -125,7 +125,7 @@ impl PrimaryTarget<'_> {
     /// The objects, if they are few; their indices are those of the whole set.
     pub(crate) fn small_set(&self) -> Option<SmallSet> {
         match self {
-            Self::All(structure) => structure.small_set(),
+            Self::All(accelerator) => accelerator.small_set(),
             Self::Culled(_) => None,
             Self::Tile(small) => Some((*small).clone()),
         }
@@ -140,8 +140,8 @@ impl PrimaryTarget<'_> {
         probe: &mut S,
     ) -> Option<Hit> {
         match self {
-            Self::All(structure) => structure.closest(all, ray, span, probe),
-            Self::Culled(visible) => visible.structure.closest(&visible.subset(all), ray, span, probe),
+            Self::All(accelerator) => accelerator.closest(all, ray, span, probe),
+            Self::Culled(visible) => visible.accelerator.closest(&visible.subset(all), ray, span, probe),
             Self::Tile(small) => small.closest(all, ray, span, probe),
         }
     }
@@ -155,8 +155,8 @@ impl PrimaryTarget<'_> {
         probe: &mut S,
     ) {
         match self {
-            Self::All(structure) => structure.closest_batch(all, rays, hits, probe),
-            Self::Culled(visible) => visible.structure.closest_batch(&visible.subset(all), rays, hits, probe),
+            Self::All(accelerator) => accelerator.closest_batch(all, rays, hits, probe),
+            Self::Culled(visible) => visible.accelerator.closest_batch(&visible.subset(all), rays, hits, probe),
             Self::Tile(small) => small.closest_batch(all, rays, hits, probe),
         }
     }
@@ -217,16 +217,16 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
         self.all.hit_ids(self.indices[index as usize])
     }
 
-    fn blocks(&self, index: u32) -> bool {
-        self.all.blocks(self.indices[index as usize])
+    fn casts_shadow(&self, index: u32) -> bool {
+        self.all.casts_shadow(self.indices[index as usize])
     }
 
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
         self.all.intersect_batch(self.indices[index as usize], rays, hits, probe);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        self.all.occludes_batch(self.indices[index as usize], rays, blocked, probe);
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+        self.all.occludes_batch(self.indices[index as usize], rays, occluded, probe);
     }
 
     fn geometry(&self, index: u32) -> PrimitiveGeometry {

@@ -19,8 +19,8 @@ impl InlinedTriangle {
     /// Triangle of a mesh by its index; `None` for an invalid one.
     pub(crate) fn new(mesh: &Arc<TriangleMesh>, index: u32) -> Option<Self> {
         let (vertices, normal) = (mesh.vertices(index)?, mesh.unit_normal(index)?);
-        let is_bent = |normals: &[Vec3; 3]| normals.iter().any(|vertex| *vertex != normal.as_vec3());
-        let vertex_normals = mesh.vertex_normals(index).filter(is_bent);
+        let are_interpolated = |normals: &[Vec3; 3]| normals.iter().any(|vertex| *vertex != normal.as_vec3());
+        let vertex_normals = mesh.vertex_normals(index).filter(are_interpolated);
         Some(Self { mesh: Arc::clone(mesh), index, shape: StreamTriangle { vertices, normal, vertex_normals } })
     }
 }

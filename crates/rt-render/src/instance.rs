@@ -104,7 +104,7 @@ impl InstanceGeometry {
     }
 
     /// True if it has its own acceleration structure.
-    pub(crate) fn is_structure(&self) -> bool {
+    pub(crate) fn is_accelerator(&self) -> bool {
         matches!(self.static_geometry(), Self::Mesh(..) | Self::Group(..))
     }
 
@@ -126,7 +126,7 @@ pub(crate) struct Animated {
 #[derive(Debug)]
 pub(crate) struct Aggregate {
     pub(crate) instances: Vec<Instance>,
-    pub(crate) structure: AnyAccelerator,
+    pub(crate) accelerator: AnyAccelerator,
     /// True if each instance is one primitive and its index identifies a hit. The accelerator can then intersect its own
     /// copies of triangles.
     pub(crate) is_flat: bool,
@@ -363,7 +363,7 @@ impl Instances<'_> {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let ray = to_local(ray, transform.as_deref());
-                let hit = group.structure.closest(&inner, &ray, span, probe)?;
+                let hit = group.accelerator.closest(&inner, &ray, span, probe)?;
                 Some(group.with_instance(hit, index))
             }
             InstanceGeometry::Animated(animated) => self.closest_on_animated((index, animated), ray, span, probe),
@@ -395,7 +395,7 @@ impl Instances<'_> {
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
-                group.structure.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
+                group.accelerator.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
             }
             InstanceGeometry::Animated(animated) => self.occluded_by_animated(animated, ray, span, probe),
         }
@@ -418,7 +418,7 @@ impl Instances<'_> {
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = to_local_batch(rays, transform.as_deref());
-                group.structure.closest_batch(&group.set(self.levels), &rays, hits, probe);
+                group.accelerator.closest_batch(&group.set(self.levels), &rays, hits, probe);
                 hits.iter_mut().flatten().for_each(|hit| *hit = group.with_instance(*hit, index));
             }
             InstanceGeometry::Animated(animated) => {
@@ -438,26 +438,26 @@ impl Instances<'_> {
         &self,
         geometry: &InstanceGeometry,
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
         match geometry {
             InstanceGeometry::Mesh(level, transform) => {
                 let rays = to_local_batch(rays, transform.as_deref());
-                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, blocked, probe);
+                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, occluded, probe);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let rays = to_local_batch(rays, transform.as_deref());
-                group.structure.occluded_batch(&group.set(self.levels), &rays, blocked, probe);
+                group.accelerator.occluded_batch(&group.set(self.levels), &rays, occluded, probe);
             }
             InstanceGeometry::Animated(animated) => {
                 let rays = to_local_animated(rays, animated);
-                self.occluded_batch_by(&animated.geometry, &rays, blocked, probe);
+                self.occluded_batch_by(&animated.geometry, &rays, occluded, probe);
             }
             InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
-                for ((ray, span), blocked) in rays.iter().zip(blocked) {
-                    *blocked = self.occluded_by(geometry, ray, *span, probe);
+                for ((ray, span), occluded) in rays.iter().zip(occluded) {
+                    *occluded = self.occluded_by(geometry, ray, *span, probe);
                 }
             }
         }
@@ -505,7 +505,7 @@ impl Primitives for Instances<'_> {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
             InstanceGeometry::Shape(Shape::Plane(plane)) => BatchKernel::Plane(*plane),
             InstanceGeometry::Triangle(triangle) => triangle.mesh.batch_kernel(triangle.index),
-            geometry if geometry.is_structure() => BatchKernel::Instance,
+            geometry if geometry.is_accelerator() => BatchKernel::Instance,
             _ => BatchKernel::Single,
         }
     }
@@ -515,7 +515,7 @@ impl Primitives for Instances<'_> {
         if self.is_flat { [0, index] } else { [index, 0] }
     }
 
-    fn blocks(&self, index: u32) -> bool {
+    fn casts_shadow(&self, index: u32) -> bool {
         self.instances[index as usize].casts_shadow
     }
 
@@ -525,13 +525,13 @@ impl Primitives for Instances<'_> {
         self.closest_batch_on((index, &instance.geometry), &rays[..n], &mut hits[..n], probe);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
         let instance = &self.instances[index as usize];
         if instance.casts_shadow {
-            self.occluded_batch_by(&instance.geometry, rays, blocked, probe);
+            self.occluded_batch_by(&instance.geometry, rays, occluded, probe);
         } else {
-            let n = rays.len().min(blocked.len());
-            blocked[..n].fill(false);
+            let n = rays.len().min(occluded.len());
+            occluded[..n].fill(false);
         }
     }
 

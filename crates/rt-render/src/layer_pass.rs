@@ -81,12 +81,12 @@ impl RenderPlan<'_> {
 
     /// Channels of the layers of a tile, from the first camera rays of its pixels.
     fn trace_layers(&self, job: &TileJob<'_>, layers: &[FirstHitLayer], batch: &mut PrimaryRayBatch) -> Vec<Vec<f32>> {
-        let (world, structure) = (&self.scene.world.instances(), &self.scene.world.top.structure);
+        let (world, accelerator) = (&self.scene.world.instances(), &self.scene.world.top.accelerator);
         let pass_spec = job.pass_spec;
-        let simple = pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
+        let simple = pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, accelerator));
         let job = &TileJob { simple: simple.as_ref(), ..*job };
         let samples = |pixel| job.samples_of(pixel).min(MAX_LAYER_SAMPLES);
-        let mut tracer = SceneTracer::new(world, structure, PrimaryTarget::All(structure), WorkProbe::default());
+        let mut tracer = SceneTracer::new(world, accelerator, PrimaryTarget::All(accelerator), WorkProbe::default());
         let samples_of_pixels = job.tile.pixels().map(samples).collect();
         tracer.layers = Some(TileLayers::new(self.layer_context(), layers, samples_of_pixels));
         let mut hits = HitStream::default();

@@ -62,8 +62,8 @@ impl RenderPlan<'_> {
         let mut lit =
             LightChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
         let Some(sources) = &self.scene.light_sources else { return lit };
-        let (world, structure) = (self.scene.world.instances(), &self.scene.world.top.structure);
-        let mut world = SceneTracer::new(&world, structure, PrimaryTarget::All(structure), WorkProbe::new(count));
+        let (world, accelerator) = (self.scene.world.instances(), &self.scene.world.top.accelerator);
+        let mut world = SceneTracer::new(&world, accelerator, PrimaryTarget::All(accelerator), WorkProbe::new(count));
         // Always Sobol' points: unlike camera samples, light paths are not arranged in pixels.
         let seed = hash(&[pass_seed(self.frame.seed, pass.pass), LIGHT_PATHS]);
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, seed);

@@ -15,8 +15,8 @@ pub(crate) fn light_sources(appearance: &Appearance, lights: &LightSet, world: &
         appearance.materials.get(material as usize).is_some_and(|material| material.model.may_be_delta())
     };
     let targets = targets(&world.top.instances, &world.levels, &may_be_delta);
-    let bodies = bounds_of_dielectrics(&appearance.materials, world);
-    let sources = LightSources::new(lights, targets, world.bounds(), bodies);
+    let dielectric_bounds = bounds_of_dielectrics(&appearance.materials, world);
+    let sources = LightSources::new(lights, targets, world.bounds(), dielectric_bounds);
     (!sources.is_empty()).then_some(sources)
 }
 

@@ -1,7 +1,7 @@
 //! Prediction of the memory of a render from counts, before any of it is allocated.
 //!
 //! ```text
-//!   peak = textures + geometry + structures + max(building, film)
+//!   peak = textures + geometry + accelerators + max(building, film)
 //! ```
 //!
 //! The scene is held throughout. Acceleration structures are built one after the other, each with temporary memory; the film is
@@ -31,7 +31,7 @@ pub struct MemoryPrediction {
     /// Nodes, shapes, meshes and instances.
     pub geometry: u64,
     /// Acceleration structures.
-    pub structures: u64,
+    pub accelerators: u64,
     /// Temporary memory of the largest accelerator while it is built.
     pub building: u64,
 }
@@ -54,9 +54,9 @@ pub(crate) struct PerPixel {
 impl MemoryPrediction {
     /// Largest amount held at any time.
     pub const fn peak(&self) -> u64 {
-        let Self { film, textures, geometry, structures, building } = *self;
+        let Self { film, textures, geometry, accelerators, building } = *self;
         let passing = if film > building { film } else { building };
-        textures.saturating_add(geometry).saturating_add(structures).saturating_add(passing)
+        textures.saturating_add(geometry).saturating_add(accelerators).saturating_add(passing)
     }
 
     /// Named parts of the prediction.
@@ -65,7 +65,7 @@ impl MemoryPrediction {
             ("film", self.film),
             ("textures", self.textures),
             ("geometry", self.geometry),
-            ("accelerators", self.structures),
+            ("accelerators", self.accelerators),
             ("building", self.building),
         ]
     }
@@ -94,7 +94,7 @@ impl MemoryPrediction {
             film: film(scene, kept),
             textures: textures(scene),
             geometry: survey.geometry,
-            structures: survey.structures,
+            accelerators: survey.accelerators,
             building: survey.building,
         };
         let Crop { width, height, .. } = kept.crop;
@@ -117,10 +117,10 @@ impl MemoryPrediction {
 
 impl fmt::Display for MemoryPrediction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { film, textures, geometry, structures, building } = *self;
-        let [film, textures, geometry, structures, building] =
-            [film, textures, geometry, structures, building].map(ByteSize);
-        write!(f, "film {film}, textures {textures}, geometry {geometry}, accelerators {structures}, ")?;
+        let Self { film, textures, geometry, accelerators, building } = *self;
+        let [film, textures, geometry, accelerators, building] =
+            [film, textures, geometry, accelerators, building].map(ByteSize);
+        write!(f, "film {film}, textures {textures}, geometry {geometry}, accelerators {accelerators}, ")?;
         write!(f, "building them {building}: peak {}", ByteSize(self.peak()))
     }
 }
@@ -155,8 +155,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_film_is_allocated_after_structures_are_built() {
-        let prediction = MemoryPrediction { film: 5, textures: 1, geometry: 2, structures: 3, building: 7 };
+    fn the_film_is_allocated_after_accelerators_are_built() {
+        let prediction = MemoryPrediction { film: 5, textures: 1, geometry: 2, accelerators: 3, building: 7 };
         assert_eq!(prediction.peak(), 13);
         assert_eq!(MemoryPrediction { film: 9, ..prediction }.peak(), 15);
         assert_eq!(MemoryPrediction { film: u64::MAX, ..prediction }.peak(), u64::MAX);

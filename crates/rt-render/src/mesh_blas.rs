@@ -14,7 +14,7 @@ use crate::alpha_mesh::{AlphaTest, AlphaTestedMesh};
 pub(crate) struct MeshBlas {
     pub(crate) mesh: Arc<TriangleMesh>,
     pub(crate) alpha_test: Option<AlphaTest>,
-    pub(crate) structure: AnyAccelerator,
+    pub(crate) accelerator: AnyAccelerator,
 }
 
 /// Evaluates an expression with the triangles of a mesh, which pass its alpha test if it has one.
@@ -41,11 +41,11 @@ impl MeshBlas {
         span: Interval,
         probe: &mut S,
     ) -> Option<Hit> {
-        with_triangles!(self, textures, triangles => self.structure.closest(triangles, ray, span, probe))
+        with_triangles!(self, textures, triangles => self.accelerator.closest(triangles, ray, span, probe))
     }
 
     pub(crate) fn occluded<S: Probe>(&self, textures: &[Texture], ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        with_triangles!(self, textures, triangles => self.structure.occluded(triangles, ray, span, probe))
+        with_triangles!(self, textures, triangles => self.accelerator.occluded(triangles, ray, span, probe))
     }
 
     pub(crate) fn closest_batch<S: Probe>(
@@ -55,16 +55,16 @@ impl MeshBlas {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        with_triangles!(self, textures, triangles => self.structure.closest_batch(triangles, rays, hits, probe));
+        with_triangles!(self, textures, triangles => self.accelerator.closest_batch(triangles, rays, hits, probe));
     }
 
     pub(crate) fn occluded_batch<S: Probe>(
         &self,
         textures: &[Texture],
         rays: &[(Ray, Interval)],
-        blocked: &mut [bool],
+        occluded: &mut [bool],
         probe: &mut S,
     ) {
-        with_triangles!(self, textures, triangles => self.structure.occluded_batch(triangles, rays, blocked, probe));
+        with_triangles!(self, textures, triangles => self.accelerator.occluded_batch(triangles, rays, occluded, probe));
     }
 }

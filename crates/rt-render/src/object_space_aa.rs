@@ -69,16 +69,16 @@ struct PyramidHit {
 struct PixelClassifier<'a> {
     plan: &'a RenderPlan<'a>,
     world: &'a Instances<'a>,
-    structure: &'a AnyAccelerator,
+    accelerator: &'a AnyAccelerator,
     tile: Crop,
     simple: Vec<bool>,
 }
 
 impl RenderPlan<'_> {
     /// Pixels of a tile without an edge: they show one evenly lit smooth surface, or only the background.
-    pub(crate) fn simple_pixels(&self, tile: Crop, world: &Instances<'_>, structure: &AnyAccelerator) -> PixelMask {
+    pub(crate) fn simple_pixels(&self, tile: Crop, world: &Instances<'_>, accelerator: &AnyAccelerator) -> PixelMask {
         let simple = vec![false; tile.width as usize * tile.height as usize];
-        let mut classifier = PixelClassifier { plan: self, world, structure, tile, simple };
+        let mut classifier = PixelClassifier { plan: self, world, accelerator, tile, simple };
         if matches!(&self.frame.medium, CameraMedium::Constant(interior) if interior.is_empty()) {
             PixelBlock::around(tile).for_each(|block| classifier.classify(block));
         }
@@ -168,7 +168,7 @@ impl PixelClassifier<'_> {
         let pyramid = self.plan.pyramid(block);
         let mut near = Vec::new();
         let mut are_many = false;
-        self.structure.visit_overlapping(self.world, &FrustumRegion(&pyramid.volume), |index| {
+        self.accelerator.visit_overlapping(self.world, &FrustumRegion(&pyramid.volume), |index| {
             are_many = near.len() == MAX_BLOCK_OBJECTS;
             if are_many {
                 return ControlFlow::Break(());
@@ -239,7 +239,7 @@ impl PixelClassifier<'_> {
             && reaching.all(|light| {
                 let shaft = LightShaft::new(patch, light);
                 !light.casts_shadows
-                    || shaft.blocked(self.world, self.structure, (patch.index, &attenuates)) != Occlusion::Somewhere
+                    || shaft.occluded(self.world, self.accelerator, (patch.index, &attenuates)) != Occlusion::Somewhere
             })
     }
 }

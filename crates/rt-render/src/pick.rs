@@ -32,8 +32,8 @@ impl RenderPlan<'_> {
         let raster = DVec2::new(f64::from(x), f64::from(y)) + self.frame.sample_offset;
         let time = if self.frame.has_motion { self.frame.camera.shutter_time(0.5) } else { 0.0 };
         let ray = self.frame.camera.ray(raster, time);
-        let (world, structure) = (self.scene.world.instances(), &self.scene.world.top.structure);
-        let hit = structure.closest(&world, &ray, Interval::new(0.0, f64::INFINITY), &mut WorkProbe::default())?;
+        let (world, accelerator) = (self.scene.world.instances(), &self.scene.world.top.accelerator);
+        let hit = accelerator.closest(&world, &ray, Interval::new(0.0, f64::INFINITY), &mut WorkProbe::default())?;
         let surface = world.surface(&ray, &hit, InteractionFlags::ALL)?;
         let material = self.scene.source.appearance.materials.get(surface.material as usize);
         Some(PickResult {

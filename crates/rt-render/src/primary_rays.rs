@@ -39,7 +39,7 @@ pub(crate) struct PrimaryRayBatch {
     rays: RayStream,
     /// Filter weight of each sample.
     weights: Vec<f64>,
-    seen: Vec<RadianceSample>,
+    radiances: Vec<RadianceSample>,
     /// Samplers of the integrator; empty if it uses none.
     samplers: Vec<SampleStream>,
 }
@@ -173,16 +173,16 @@ fn trace<N: Iterator<Item = u32>>(
     backdrop: Option<Rgb>,
     radiance: &mut impl FnMut(&mut RayStream, &[SampleStream], &mut [RadianceSample]),
 ) {
-    batch.seen.resize(batch.weights.len(), RadianceSample::MISS);
-    let PrimaryRayBatch { rays, samplers, seen, .. } = batch;
-    radiance(rays, samplers, seen);
-    for (seen, weight) in batch.seen.iter_mut().zip(&batch.weights) {
+    batch.radiances.resize(batch.weights.len(), RadianceSample::MISS);
+    let PrimaryRayBatch { rays, samplers, radiances, .. } = batch;
+    radiance(rays, samplers, radiances);
+    for (radiance_sample, weight) in batch.radiances.iter_mut().zip(&batch.weights) {
         match backdrop {
-            Some(backdrop) if !seen.hit => seen.radiance = backdrop,
+            Some(backdrop) if !radiance_sample.hit => radiance_sample.radiance = backdrop,
             _ => {}
         }
-        accumulator.finished.camera_hits += u64::from(seen.hit);
-        accumulator.add(seen, *weight);
+        accumulator.finished.camera_hits += u64::from(radiance_sample.hit);
+        accumulator.add(radiance_sample, *weight);
     }
     batch.clear();
 }

@@ -33,11 +33,6 @@ impl Instances<'_> {
             | InstanceGeometry::Animated(_) => PrimitiveForm::Other,
         }
     }
-
-    /// True if the instance, or part of it, casts a shadow.
-    pub(crate) fn casts_shadow(&self, index: u32) -> bool {
-        self.instances[index as usize].casts_shadow
-    }
 }
 
 impl PrimitiveForm {

@@ -67,14 +67,14 @@ impl RenderPlan<'_> {
     /// Renders a tile; counts the work of accelerators if `count` is true.
     pub(crate) fn render_tile(&self, job: &TileJob<'_>, count: bool, worker: &mut ThreadState) -> TileResult {
         let probe = WorkProbe::new(count || self.integrator_kind() == Integrator::Cost);
-        let (world, structure) = (&self.scene.world.instances(), &self.scene.world.top.structure);
-        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, structure));
+        let (world, accelerator) = (&self.scene.world.instances(), &self.scene.world.top.accelerator);
+        let simple = job.pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, accelerator));
         let job = &TileJob { simple: simple.as_ref(), ..*job };
-        let few = self.visible_in_tile(job.tile, world, structure);
+        let few = self.visible_in_tile(job.tile, world, accelerator);
         let primary_target = match (&few, &self.frame.visible) {
             (Some(few), _) => PrimaryTarget::Tile(few),
             (None, Some(part)) => PrimaryTarget::Culled(part),
-            (None, None) => PrimaryTarget::All(structure),
+            (None, None) => PrimaryTarget::All(accelerator),
         };
         let samples = || job.pass_spec.pixels_of(job.tile).map(|pixel| job.samples_of(pixel)).collect();
         let layers = (!job.layers.is_empty()).then(|| TileLayers::new(self.layer_context(), job.layers, samples()));
@@ -87,44 +87,44 @@ impl RenderPlan<'_> {
         let lighting = self.scene.lighting();
         let materials = &self.scene.appearance.materials;
         let mut tracer =
-            SceneTracer::new(world, structure, primary_target, probe).with_buffers(core::mem::take(buffers));
+            SceneTracer::new(world, accelerator, primary_target, probe).with_buffers(core::mem::take(buffers));
         tracer.layers = layers;
         let (medium, mut lists) = (&self.frame.medium, Vec::new());
         let mut result = match &self.integrator {
-            IntegratorState::Whitted => self.sample_tile(job, camera, |rays, _, seen| {
-                whitted.set_surroundings(medium.find_all(&mut tracer, materials, rays, &mut lists));
-                whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, seen);
+            IntegratorState::Whitted => self.sample_tile(job, camera, |rays, _, radiances| {
+                whitted.set_camera_media(medium.find_all(&mut tracer, materials, rays, &mut lists));
+                whitted.radiance_of_stream(&mut tracer, &self.scene.appearance, rays, radiances);
             }),
             IntegratorState::Path(settings) if self.integrator_kind() == Integrator::PathReference => {
                 let mut reference = ReferencePathTracer {
                     settings: *settings,
                     lighting,
-                    surroundings: InteriorList::default(),
+                    camera_media: InteriorList::default(),
                     counts: ShadingCounts::default(),
                 };
-                let mut result = self.sample_tile(job, camera, |rays, samplers, seen| {
-                    for (at, (sampler, seen)) in samplers.iter().zip(seen).enumerate() {
+                let mut result = self.sample_tile(job, camera, |rays, samplers, radiances| {
+                    for (at, (sampler, radiance_sample)) in samplers.iter().zip(radiances).enumerate() {
                         let (ray, _) = rays.get(at);
-                        medium.find(&mut tracer, materials, &ray, &mut reference.surroundings);
-                        *seen = reference.li(&mut tracer, &ray, &mut sampler.clone());
+                        medium.find(&mut tracer, materials, &ray, &mut reference.camera_media);
+                        *radiance_sample = reference.li(&mut tracer, &ray, &mut sampler.clone());
                     }
                 });
                 result.shading = reference.counts;
                 result
             }
-            IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, seen| {
-                paths.set_surroundings(medium.find_all(&mut tracer, materials, rays, &mut lists));
-                paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, seen);
+            IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, radiances| {
+                paths.set_camera_media(medium.find_all(&mut tracer, materials, rays, &mut lists));
+                paths.radiance_of_stream(&mut tracer, lighting, rays, samplers, radiances);
             }),
-            IntegratorState::AmbientOcclusion(view) => self.sample_tile(job, camera, |rays, samplers, seen| {
-                occlusion.radiance_of(view, &mut tracer, rays, samplers, seen);
+            IntegratorState::AmbientOcclusion(view) => self.sample_tile(job, camera, |rays, samplers, radiances| {
+                occlusion.radiance_of(view, &mut tracer, rays, samplers, radiances);
             }),
             IntegratorState::Aov(view) => {
-                self.sample_tile(job, camera, |rays, _, seen| view.radiance_of(&mut tracer, rays, hits, seen))
+                self.sample_tile(job, camera, |rays, _, radiances| view.radiance_of(&mut tracer, rays, hits, radiances))
             }
-            IntegratorState::Cost => self.sample_tile(job, camera, |rays, _, seen| {
-                for (at, seen) in seen.iter_mut().enumerate() {
-                    *seen = cost(&mut tracer, &rays.get(at).0);
+            IntegratorState::Cost => self.sample_tile(job, camera, |rays, _, radiances| {
+                for (at, radiance_sample) in radiances.iter_mut().enumerate() {
+                    *radiance_sample = cost(&mut tracer, &rays.get(at).0);
                 }
             }),
         };
@@ -138,10 +138,10 @@ impl RenderPlan<'_> {
     }
 
     /// Objects in view of the tile, if their number is small.
-    fn visible_in_tile(&self, tile: Crop, world: &Instances<'_>, structure: &AnyAccelerator) -> Option<SmallSet> {
+    fn visible_in_tile(&self, tile: Crop, world: &Instances<'_>, accelerator: &AnyAccelerator) -> Option<SmallSet> {
         let Crop { x, y, width, height } = tile;
         let volume = self.frame.culls_tiles.then(|| self.frame.view_volume(Crop { x, y, width, height }))?;
-        let few = frustum_cull::collect_small(world, structure, self.frame.visible.as_ref(), &volume)?;
+        let few = frustum_cull::collect_small(world, accelerator, self.frame.visible.as_ref(), &volume)?;
         Some(match self.scene.accel.simd {
             Some(level) => few.with_level(level),
             None => few,

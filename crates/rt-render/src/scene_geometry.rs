@@ -36,7 +36,7 @@ impl SceneGeometry {
     /// Closest hit of a ray in render space, without texture coordinates.
     pub fn closest_hit(&self, ray: &Ray) -> Option<SurfaceHit> {
         let instances = self.top.set(&self.levels);
-        let hit = self.top.structure.closest(&instances, ray, Interval::FORWARD, &mut WorkProbe::default())?;
+        let hit = self.top.accelerator.closest(&instances, ray, Interval::FORWARD, &mut WorkProbe::default())?;
         instances.surface(ray, &hit, InteractionFlags::NONE)
     }
 }

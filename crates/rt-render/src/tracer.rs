@@ -11,7 +11,7 @@ use crate::{frustum_cull::PrimaryTarget, instance::Instances, tile_layers::TileL
 /// compiled for each accelerator.
 pub(crate) struct SceneTracer<'w> {
     pub(crate) world: &'w Instances<'w>,
-    pub(crate) structure: &'w AnyAccelerator,
+    pub(crate) accelerator: &'w AnyAccelerator,
     /// Objects that camera rays are tested against.
     pub(crate) primary_target: PrimaryTarget<'w>,
     pub(crate) rays: RayCounts,
@@ -31,13 +31,13 @@ pub(crate) type TracerBuffers = (Vec<Option<Hit>>, Vec<(Ray, Interval)>);
 impl<'w> SceneTracer<'w> {
     pub(crate) fn new(
         world: &'w Instances<'w>,
-        structure: &'w AnyAccelerator,
+        accelerator: &'w AnyAccelerator,
         primary_target: PrimaryTarget<'w>,
         probe: WorkProbe,
     ) -> Self {
         Self {
             world,
-            structure,
+            accelerator,
             primary_target,
             rays: RayCounts::default(),
             skipped: 0,
@@ -60,7 +60,7 @@ impl<'w> SceneTracer<'w> {
 
     /// Objects that rays of this kind are tested against.
     const fn target(&self, kind: RayKind) -> PrimaryTarget<'w> {
-        if matches!(kind, RayKind::Primary) { self.primary_target } else { PrimaryTarget::All(self.structure) }
+        if matches!(kind, RayKind::Primary) { self.primary_target } else { PrimaryTarget::All(self.accelerator) }
     }
 
     /// True for rays that cannot hit anything. Counts these as skipped and others as traced.
@@ -104,7 +104,7 @@ impl SceneQueries for SceneTracer<'_> {
 
     fn occluded(&mut self, ray: &Ray, span: Interval) -> bool {
         self.count(RayKind::Shadow, 1);
-        self.structure.occluded(self.world, ray, span, &mut self.probe)
+        self.accelerator.occluded(self.world, ray, span, &mut self.probe)
     }
 }
 
@@ -119,7 +119,7 @@ impl StreamQueries for SceneTracer<'_> {
                 let few = self.primary_target.small_set();
                 few.is_some_and(|few| few.closest_stream(world, rays, hits, probe))
             }
-            _ => self.structure.closest_stream(world, rays, hits, probe),
+            _ => self.accelerator.closest_stream(world, rays, hits, probe),
         };
         if !is_traced {
             let batch = self.batch_of(rays);
@@ -136,14 +136,14 @@ impl StreamQueries for SceneTracer<'_> {
         }
     }
 
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
+    fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]) {
         self.count(RayKind::Shadow, rays.len());
-        if self.structure.occluded_stream(self.world, rays, blocked, &mut self.probe) {
+        if self.accelerator.occluded_stream(self.world, rays, occluded, &mut self.probe) {
             return;
         }
         let batch = self.batch_of(rays);
-        blocked.fill(false);
-        self.structure.occluded_batch(self.world, &batch, blocked, &mut self.probe);
+        occluded.fill(false);
+        self.accelerator.occluded_batch(self.world, &batch, occluded, &mut self.probe);
         self.batch = batch;
     }
 

@@ -27,26 +27,26 @@ pub struct OcclusionWave {
 }
 
 impl OcclusionWave {
-    /// An estimate from one direction for each camera ray: `seen[i]` is that of ray `i`, which draws from `samplers[i]`. Does nothing
-    /// with fewer samplers or entries of `seen` than rays.
+    /// An estimate from one direction for each camera ray: `radiances[i]` is that of ray `i`, which draws from
+    /// `samplers[i]`. Does nothing with fewer samplers or entries of `radiances` than rays.
     pub fn radiance_of<S: Sampler + Clone>(
         &mut self,
         view: &AmbientOcclusion,
         world: &mut impl StreamQueries,
         rays: &RayStream,
         samplers: &[S],
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
-        if samplers.len().min(seen.len()) < rays.len() {
+        if samplers.len().min(radiances.len()) < rays.len() {
             return;
         }
         self.rays.clear();
         let needs = InteractionFlags { shading_normal: true, ..InteractionFlags::NONE };
         world.closest_stream(rays, RayKind::Primary, &mut self.hits);
-        for (at, (seen, sampler)) in seen.iter_mut().zip(samplers).enumerate().take(rays.len()) {
+        for (at, (radiance_sample, sampler)) in radiances.iter_mut().zip(samplers).enumerate().take(rays.len()) {
             let (ray, _) = rays.get(at);
             let hit = world.surface(&ray, &self.hits, at, needs);
-            *seen = RadianceSample { radiance: Rgb::WHITE, hit: hit.is_some() };
+            *radiance_sample = RadianceSample { radiance: Rgb::WHITE, hit: hit.is_some() };
             let Some(mut hit) = hit else { continue };
             let direction = ray.direction.normalize();
             let inside = is_inside(direction, &hit.interaction);
@@ -54,18 +54,18 @@ impl OcclusionWave {
             let towards = Frame::from_z(surface.normal).from_local(cosine_hemisphere(sampler.clone().next_2d()));
             if towards.dot(surface.surface.geometric_normal) * if inside { -1.0 } else { 1.0 } <= 0.0 {
                 // Below the actual surface, where an interpolated normal reaches.
-                seen.radiance = Rgb::BLACK;
+                radiance_sample.radiance = Rgb::BLACK;
                 continue;
             }
             self.samples.set(self.rays.len(), at as u32);
             let span = Interval { max: view.reach, ..Interval::SPAWNED };
             self.rays.push(&surface.surface.spawn_ray(towards, ray.time), span);
         }
-        let mut blocked = [false; STREAM_CAPACITY];
-        let blocked = &mut blocked[..self.rays.len()];
-        world.occluded_stream(&self.rays, blocked);
-        for (sample, _) in self.samples.as_slice().iter().zip(blocked).filter(|(_, blocked)| **blocked) {
-            seen[*sample as usize].radiance = Rgb::BLACK;
+        let mut occluded = [false; STREAM_CAPACITY];
+        let occluded = &mut occluded[..self.rays.len()];
+        world.occluded_stream(&self.rays, occluded);
+        for (sample, _) in self.samples.as_slice().iter().zip(occluded).filter(|(_, occluded)| **occluded) {
+            radiances[*sample as usize].radiance = Rgb::BLACK;
         }
     }
 }

@@ -22,13 +22,13 @@ pub enum AovIntegrator {
 }
 
 impl AovIntegrator {
-    /// Computes the result of camera rays: `seen[i]` is that of ray `i`. `hits` is a buffer.
+    /// Computes the result of camera rays: `radiances[i]` is that of ray `i`. `hits` is a buffer.
     pub fn radiance_of(
         &self,
         world: &mut impl StreamQueries,
         rays: &RayStream,
         hits: &mut HitStream,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let needs = InteractionFlags {
             uv: matches!(self, Self::Uv | Self::Normals),
@@ -36,9 +36,10 @@ impl AovIntegrator {
             detail: matches!(self, Self::Normals),
         };
         world.closest_stream(rays, RayKind::Primary, hits);
-        for (at, seen) in seen.iter_mut().enumerate().take(rays.len()) {
+        for (at, radiance_sample) in radiances.iter_mut().enumerate().take(rays.len()) {
             let hit = world.surface(&rays.get(at).0, hits, at, needs);
-            *seen = hit.map_or(RadianceSample::MISS, |hit| RadianceSample { radiance: self.shown(&hit), hit: true });
+            *radiance_sample =
+                hit.map_or(RadianceSample::MISS, |hit| RadianceSample { radiance: self.shown(&hit), hit: true });
         }
     }
 

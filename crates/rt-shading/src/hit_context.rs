@@ -53,13 +53,13 @@ impl SurfaceTransmission {
         self,
         interior: &mut InteriorList,
         materials: &[Material],
-        body: MediumEntry,
+        entry: MediumEntry,
         is_inside: bool,
     ) -> Option<MediumInterface> {
         match self {
             Self::None => None,
             Self::Thin => Some(interior.thin_interface(materials)),
-            Self::Solid => interior.interface(materials, body, is_inside),
+            Self::Solid => interior.interface(materials, entry, is_inside),
         }
     }
 
@@ -100,9 +100,9 @@ impl<'m> HitContext<'m> {
         &self,
         interior: &mut InteriorList,
         materials: &[Material],
-        body: MediumEntry,
+        entry: MediumEntry,
     ) -> Option<MediumInterface> {
-        self.transmission.interface(interior, materials, body, self.is_inside)
+        self.transmission.interface(interior, materials, entry, self.is_inside)
     }
 
     /// False if the surface does not change the ray, so that only the [`interface`](Self::interface) is crossed.

@@ -16,7 +16,7 @@ pub(crate) struct MediumEntry {
 
 impl SurfaceHit {
     #[inline]
-    pub(crate) const fn body(&self) -> MediumEntry {
+    pub(crate) const fn medium_entry(&self) -> MediumEntry {
         MediumEntry { object: self.object, material: self.material }
     }
 }
@@ -122,7 +122,7 @@ impl InteriorList {
             if interior(materials, hit.material).is_none() {
                 continue;
             }
-            let entry = hit.body();
+            let entry = hit.medium_entry();
             if ray.direction.dot(hit.interaction.geometric_normal) <= 0.0 {
                 self.push(entry);
             } else if let Some(at) = find(&self.entries[around..], entry) {

@@ -16,7 +16,7 @@ pub(crate) struct MediumTracker {
     /// Ray parameter where the current medium began.
     medium_start: f64,
     /// Consecutive null interfaces.
-    passages: u32,
+    null_interfaces: u32,
 }
 
 /// Media of a ray of a stream, as [`MediumTracker`] has them of a single path.
@@ -24,14 +24,14 @@ pub(crate) struct MediumTracker {
 pub(crate) struct RayMedia {
     pub(crate) interior: ListRange,
     medium_start: f64,
-    passages: u32,
+    null_interfaces: u32,
 }
 
 impl RayMedia {
     /// A ray that starts in these media.
     #[inline(always)]
     pub(crate) const fn new(interior: ListRange) -> Self {
-        Self { interior, medium_start: 0.0, passages: 0 }
+        Self { interior, medium_start: 0.0, null_interfaces: 0 }
     }
 }
 
@@ -40,18 +40,18 @@ impl MediumTracker {
     #[inline(always)]
     pub(crate) fn resume(&mut self, lists: &InteriorLists, media: RayMedia) {
         lists.read(media.interior, &mut self.interior);
-        (self.medium_start, self.passages) = (media.medium_start, media.passages);
+        (self.medium_start, self.null_interfaces) = (media.medium_start, media.null_interfaces);
     }
 
     /// Media for a stream.
     pub(crate) fn suspend(&self, lists: &mut InteriorLists) -> RayMedia {
-        let Self { medium_start, passages, .. } = *self;
-        RayMedia { interior: lists.push(&self.interior), medium_start, passages }
+        let Self { medium_start, null_interfaces, .. } = *self;
+        RayMedia { interior: lists.push(&self.interior), medium_start, null_interfaces }
     }
 
     /// Starts a ray in these media.
     pub(crate) const fn new(interior: InteriorList) -> Self {
-        Self { interior, medium_start: 0.0, passages: 0 }
+        Self { interior, medium_start: 0.0, null_interfaces: 0 }
     }
 
     /// The media of this ray, from a parameter on.
@@ -69,25 +69,25 @@ impl MediumTracker {
     }
 
     /// Restarts with a camera ray in these media, and keeps its memory.
-    pub(crate) fn restart(&mut self, surroundings: &InteriorList) {
-        self.interior.clone_from(surroundings);
+    pub(crate) fn restart(&mut self, camera_media: &InteriorList) {
+        self.interior.clone_from(camera_media);
         self.start_ray();
     }
 
     /// Starts the next ray of the path.
     #[inline(always)]
     pub(crate) const fn start_ray(&mut self) {
-        (self.medium_start, self.passages) = (0.0, 0);
+        (self.medium_start, self.null_interfaces) = (0.0, 0);
     }
 
     /// True if each further null interface costs a bounce.
     pub(crate) const fn null_limit_exceeded(&self) -> bool {
-        self.passages > MAX_NULL_INTERFACES
+        self.null_interfaces > MAX_NULL_INTERFACES
     }
 
     /// Number of bounces that null interfaces have cost since the last surface.
-    pub(crate) const fn bounces_of_passages(&self) -> u32 {
-        self.passages.saturating_sub(MAX_NULL_INTERFACES)
+    pub(crate) const fn null_interface_bounces(&self) -> u32 {
+        self.null_interfaces.saturating_sub(MAX_NULL_INTERFACES)
     }
 
     /// Applies the absorption of the medium before a surface, and returns it, per world unit. `length` is world units per unit of the ray
@@ -136,8 +136,8 @@ impl MediumTracker {
         } else {
             counts.interior_overflows += 1;
         }
-        counts.passages += 1;
-        self.passages += 1;
+        counts.null_interfaces += 1;
+        self.null_interfaces += 1;
         is_dimmed
     }
 

@@ -22,12 +22,12 @@ mod lane_material;
 mod light_samples;
 mod lights_behind;
 mod path_stream;
+mod ray_samples;
 mod settings;
 mod shade;
 mod shade_lanes;
 pub(crate) mod transport;
 mod wave;
-mod wave_samples;
 
 use crate::{InteriorList, RadianceSample, ShadingCounts, ShadingFeatures, StreamQueries, lanes::LaneLevel};
 pub use clamp::Clamp;
@@ -64,7 +64,7 @@ pub struct PathTracer<S> {
     /// Known after the first call.
     materials: Option<LaneMaterials>,
     /// Media around the camera: one list for all paths, or one for each.
-    surroundings: Vec<InteriorList>,
+    camera_media: Vec<InteriorList>,
     /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
     /// False as long as all rays are at time 0.
@@ -86,7 +86,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             settings,
             features,
             materials: None,
-            surroundings: Vec::new(),
+            camera_media: Vec::new(),
             lanes: LaneLevel::best(),
             has_time: false,
             streams: Streams::F32(PathStreams::new()),
@@ -106,8 +106,8 @@ impl<S: Sampler + Clone> PathTracer<S> {
 
     /// Sets the media around the camera: one list for all paths, or one for each path of the next call. Without a list, all
     /// paths start in air.
-    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
-        surroundings.clone_into(&mut self.surroundings);
+    pub fn set_camera_media(&mut self, camera_media: &[InteriorList]) {
+        camera_media.clone_into(&mut self.camera_media);
     }
 
     /// Work done since the counts were last taken.
@@ -118,21 +118,21 @@ impl<S: Sampler + Clone> PathTracer<S> {
         })
     }
 
-    /// Estimates the radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`, whose path uses
-    /// `samplers[i]`. Does nothing unless `samplers` and `seen` have an entry for each ray. Non-finite scenes give non-finite radiance,
-    /// which the caller handles.
+    /// Estimates the radiance of the camera rays of a stream, which are lost: `radiances[i]` is that of ray `i`, whose
+    /// path uses `samplers[i]`. Does nothing unless `samplers` and `radiances` have an entry for each ray. Non-finite scenes
+    /// give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
         lighting: Lighting<'_>,
         rays: &mut RayStream,
         samplers: &[S],
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
-        if seen.len() != rays.len() || samplers.len() != rays.len() {
+        if radiances.len() != rays.len() || samplers.len() != rays.len() {
             return;
         }
-        let Self { settings, features, materials, surroundings, lanes, has_time, streams } = self;
+        let Self { settings, features, materials, camera_media, lanes, has_time, streams } = self;
         *has_time |= rays.has_time();
         if !*has_time {
             // Rays that stages append behind these get no times.
@@ -140,7 +140,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
         }
         let materials = materials.get_or_insert_with(|| LaneMaterials::new(lighting, settings.transport, features));
         let inputs = &PathInputs { settings, features, lighting, materials, has_time: *has_time };
-        let batch = PathBatch { rays, samplers, surroundings, seen };
+        let batch = PathBatch { rays, samplers, camera_media, radiances };
         match streams {
             Streams::F32(streams) => streams.trace(inputs, *lanes, world, batch),
             Streams::F64(streams) => streams.trace(inputs, None, world, batch),

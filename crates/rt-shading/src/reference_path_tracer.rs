@@ -47,7 +47,7 @@ pub struct ReferencePathTracer<'a> {
     /// Materials and lights. The cache of BSDFs is ignored.
     pub lighting: Lighting<'a>,
     /// Media around the camera; `default()` for air.
-    pub surroundings: InteriorList,
+    pub camera_media: InteriorList,
     /// Null interfaces, ignored dielectrics and clamped light of all paths so far. Other counts stay as they are.
     pub counts: ShadingCounts,
 }
@@ -55,7 +55,7 @@ pub struct ReferencePathTracer<'a> {
 /// State of a path between two vertices.
 struct PathState {
     /// Radiance so far.
-    seen: RadianceSample,
+    radiance_sample: RadianceSample,
     /// Throughput (β): factor of further radiance.
     throughput: Rgb,
     /// Accumulated η² of refraction, which Russian roulette excludes from the throughput (pbrt's `etaScale`).
@@ -76,7 +76,7 @@ impl ReferencePathTracer<'_> {
         let Lighting { appearance, lights, .. } = self.lighting;
         let PathSettings { max_depth, rr_start_depth, transport, .. } = self.settings;
         let materials = &appearance.materials;
-        let mut path = PathState::new(&self.surroundings);
+        let mut path = PathState::new(&self.camera_media);
         let (mut ray, mut span, mut kind) = (*ray, Interval::FORWARD, RayKind::Primary);
         loop {
             // Find the closest surface. On a miss, add the radiance of the environment.
@@ -85,23 +85,23 @@ impl ReferencePathTracer<'_> {
                 let weight = path.mis_weight(|from| lights.pdf_li_environment(from.point, from.normal, direction));
                 let radiance = path.throughput * weight * appearance.background.radiance(direction);
                 self.add(radiance, path.bounces, &mut path);
-                return path.seen;
+                return path.radiance_sample;
             };
             let Some(context) = HitContext::new(&ShadingFeatures::ALL, materials, &ray, &hit) else {
-                path.seen.hit = true;
-                return path.seen;
+                path.radiance_sample.hit = true;
+                return path.radiance_sample;
             };
             let HitContext { material, direction, length, is_inside, .. } = context;
 
             // Pass a null interface: the same ray goes on behind it.
-            let interface = context.interface(&mut path.media.interior, materials, hit.body());
+            let interface = context.interface(&mut path.media.interior, materials, hit.medium_entry());
             let interface = interface.as_ref();
             if !context.is_visible(interface) {
                 let is_dimmed =
                     path.media.skip_interface(interface, &hit, length, &mut path.throughput, &mut self.counts);
-                path.seen.hit |= is_dimmed;
-                if path.media.null_limit_exceeded() && path.bounces + path.media.bounces_of_passages() > max_depth {
-                    return path.seen;
+                path.radiance_sample.hit |= is_dimmed;
+                if path.media.null_limit_exceeded() && path.bounces + path.media.null_interface_bounces() > max_depth {
+                    return path.radiance_sample;
                 }
                 if let Some(prev) = &mut path.prev {
                     prev.pdf = pdf_behind(&hit, prev.pdf);
@@ -109,7 +109,7 @@ impl ReferencePathTracer<'_> {
                 (span, kind) = (hit.span_after(&ray), RayKind::Refraction);
                 continue;
             }
-            path.seen.hit = true;
+            path.radiance_sample.hit = true;
 
             // Apply the absorption of the medium before the surface.
             path.media.absorb(materials, interface, hit.t, length, &mut path.throughput);
@@ -130,7 +130,7 @@ impl ReferencePathTracer<'_> {
                 self.add_lights_behind(world, &ray, &hit, &mut path);
             }
             if path.bounces > max_depth {
-                return path.seen;
+                return path.radiance_sample;
             }
 
             // Sample lights.
@@ -143,9 +143,9 @@ impl ReferencePathTracer<'_> {
             let [u, v] = sampler.next_2d();
             let component = if bsdf.uses_component_sample() { sampler.next_1d() } else { 0.0 };
             let Some(sample) = bsdf.sample_along(vertex.wo, [component, u, v], path.throughput) else {
-                return path.seen;
+                return path.radiance_sample;
             };
-            let Some(wi) = vertex.continued(&sample, path.starts_specular) else { return path.seen };
+            let Some(wi) = vertex.continued(&sample, path.starts_specular) else { return path.radiance_sample };
             path.throughput *= sample.weight();
             path.eta_scale *= sample.eta * sample.eta;
             path.starts_specular = if path.bounces == 0 { sample.is_delta } else { path.starts_specular };
@@ -153,13 +153,13 @@ impl ReferencePathTracer<'_> {
             let (point, normal) = (vertex.view.surface.point, vertex.normal);
             path.prev = (!sample.is_delta).then_some(PrevVertex { point, normal, pdf: sample.pdf });
             if path.throughput.is_black() {
-                return path.seen;
+                return path.radiance_sample;
             }
 
             // Russian roulette: end most paths of little throughput, and raise that of the others.
             let is_old = path.bounces > rr_start_depth;
             if is_old && !russian_roulette(&mut path.throughput, path.eta_scale, sampler) {
-                return path.seen;
+                return path.radiance_sample;
             }
             path.media.scatter(interface, sample.kind);
             let next = vertex.view.surface.spawn_ray(wi, ray.time);
@@ -259,17 +259,17 @@ impl ReferencePathTracer<'_> {
     /// Adds radiance that this many surfaces have scattered, clamped if it is indirect.
     fn add(&mut self, radiance: Rgb, scattered: u32, path: &mut PathState) {
         let clamp = self.settings.clamp;
-        path.seen.radiance += clamp.apply(scattered, radiance, &mut self.counts);
+        path.radiance_sample.radiance += clamp.apply(scattered, radiance, &mut self.counts);
     }
 }
 
 impl PathState {
     /// Path that starts at the camera, in these media.
-    fn new(surroundings: &InteriorList) -> Self {
+    fn new(camera_media: &InteriorList) -> Self {
         let mut media = MediumTracker::default();
-        media.restart(surroundings);
-        let (seen, throughput) = (RadianceSample::MISS, Rgb::WHITE);
-        Self { seen, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
+        media.restart(camera_media);
+        let (radiance_sample, throughput) = (RadianceSample::MISS, Rgb::WHITE);
+        Self { radiance_sample, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
     }
 
     /// Media of a shadow ray in this direction from a vertex.

@@ -65,7 +65,7 @@ impl ShadowMedia {
         let rest = Interval { min: behind.min, max: behind.max.min(span.max) };
         let context = HitContext::new(features, materials, ray, hit);
         let Some(context) = context.filter(|context| context.material.passes_shadow_rays()) else { return Some(rest) };
-        let interface = context.interface(&mut self.media.interior, materials, hit.body());
+        let interface = context.interface(&mut self.media.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         if context.is_visible(interface) {
             return None;
@@ -156,11 +156,11 @@ mod tests {
         let shadowless = (0..appearance.materials.len() as u32).filter(passed).collect();
         let mut world = ShapeList { shapes, shadowless, ..ShapeList::default() };
         let ray = Ray::new(DVec3::Y * 0.01, DVec3::NEG_Y);
-        let mut surroundings = InteriorList::default();
-        surroundings.find_enclosing_media(&mut world, &appearance.materials, &ray);
+        let mut camera_media = InteriorList::default();
+        camera_media.find_enclosing_media(&mut world, &appearance.materials, &ray);
 
         let mut whitted = whitted_of(&appearance, 0);
-        whitted.set_surroundings(core::slice::from_ref(&surroundings));
+        whitted.set_camera_media(core::slice::from_ref(&camera_media));
         let seen = whitted.radiance(&mut world, &appearance, &ray).radiance.g;
         let lights = appearance.lights.iter().cloned().map(Light::Delta).collect();
         let lights = LightSet::new(lights, LightSampling::Power, 1.0);
@@ -169,7 +169,7 @@ mod tests {
         let settings = PathSettings { max_depth: 0, rr_start_depth: 0, transport: Transport::Full, clamp: Clamp::NONE };
         let counts = ShadingCounts::default();
         let by_path =
-            ReferencePathTracer { settings, lighting, surroundings, counts }.li(&mut world, &ray, &mut NoNumbers);
+            ReferencePathTracer { settings, lighting, camera_media, counts }.li(&mut world, &ray, &mut NoNumbers);
         assert!((by_path.radiance.g - seen).abs() < 1e-12, "{by_path:?}, {seen}");
         seen
     }

@@ -66,8 +66,8 @@ pub trait StreamQueries {
     /// Closest hits of rays of one kind: the entry `i` of `hits` is that of ray `i`.
     fn closest_stream(&mut self, rays: &RayStream, kind: RayKind, hits: &mut HitStream);
 
-    /// True in `blocked[i]` if something that casts shadows lies on ray `i`, within its interval.
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]);
+    /// True in `occluded[i]` if something that casts shadows lies on ray `i`, within its interval.
+    fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]);
 
     /// The primitive that a ray has hit; `None` for one of any other shape, and for a miss.
     fn primitive(&self, hits: &HitStream, at: usize) -> Option<StreamPrimitive<'_>>;
@@ -120,10 +120,10 @@ impl StreamQueries for SingleQueries<'_> {
         }
     }
 
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
-        for (at, blocked) in blocked.iter_mut().enumerate() {
+    fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]) {
+        for (at, occluded) in occluded.iter_mut().enumerate() {
             let (ray, span) = rays.get(at);
-            *blocked = self.world.occluded(&ray, span);
+            *occluded = self.world.occluded(&ray, span);
         }
     }
 

@@ -9,8 +9,8 @@ use rt_math::{DVec3, Frame};
 
 /// Least cosine between the viewer and the shading normal that a BSDF gets.
 ///
-/// A bent normal is perpendicular to the view up to rounding, of which the sign is noise. The square of this cosine is below
-/// the rounding of 1, so that the direction with the raised cosine is still a unit vector.
+/// A normal that was turned is perpendicular to the view up to rounding, of which the sign is noise. The square of this
+/// cosine is below the rounding of 1, so that the direction with the raised cosine is still a unit vector.
 pub(crate) const MIN_COSINE: f64 = 1e-8;
 
 /// Surface at a hit, relative to the ray.
@@ -110,7 +110,7 @@ pub fn is_inside(direction: DVec3, surface: &SurfaceInteraction) -> bool {
 
 /// The unit normal itself if it faces the viewer, who is in the unit direction `wo`.
 ///
-/// Near silhouettes an interpolated normal may face away. It is bent until it is perpendicular to the view, and no
+/// Near silhouettes an interpolated normal may face away. It is turned until it is perpendicular to the view, and no
 /// further, so that shading does not jump there. `None` if it points straight away.
 #[inline]
 fn turned_to(wo: DVec3, normal: DVec3) -> Option<DVec3> {

@@ -15,11 +15,11 @@ mod hit_group;
 mod inputs;
 mod interfaces;
 mod lane_phong;
+mod ray_tree_path;
 mod secondary_rays;
 mod shade;
 mod shade_lanes;
 mod streams;
-mod tree_path;
 mod wave;
 
 use crate::{
@@ -28,11 +28,11 @@ use crate::{
     stream_queries::{SingleQueries, StreamQueries},
 };
 pub use counts::ShadingCounts;
-use inputs::{Settings, TreeInputs};
+use inputs::{RayTreeInputs, Settings};
 use lane_phong::LanePhongs;
 use rt_geometry::RayStream;
 use rt_math::{Interval, Ray};
-use wave::{TreeBatch, TreeStreams};
+use wave::{RayTreeBatch, RayTreeStreams};
 
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
@@ -52,30 +52,31 @@ pub struct Whitted {
     /// Known after the first call.
     phongs: Option<LanePhongs>,
     /// Media around the camera: one list for all rays, or one for each.
-    surroundings: Vec<InteriorList>,
+    camera_media: Vec<InteriorList>,
     /// Instruction set of lanes; `None` to shade hits one by one.
     lanes: Option<LaneLevel>,
     /// False as long as all rays are at time 0.
     has_time: bool,
     /// True to shade in `f64`.
     is_f64: bool,
-    in_f32: TreeStreams<f32>,
-    in_f64: TreeStreams<f64>,
+    in_f32: RayTreeStreams<f32>,
+    in_f64: RayTreeStreams<f64>,
 }
 
 impl Whitted {
-    /// Integrator of up to `max_depth` bounces after the first hit. Rays whose weight in the pixel is below `min_contribution` in all
-    /// components are not traced. It computes only these `features`. All calls must be with the same appearance.
+    /// Integrator of up to `max_depth` bounces after the first hit. Rays whose throughput in the pixel is below
+    /// `min_contribution` in all components are not traced. It computes only these `features`. All calls must be with
+    /// the same appearance.
     pub fn new(max_depth: u32, min_contribution: f64, features: ShadingFeatures) -> Self {
         Self {
             settings: Settings { max_depth, min_contribution, features },
             phongs: None,
-            surroundings: Vec::new(),
+            camera_media: Vec::new(),
             lanes: LaneLevel::best(),
             has_time: false,
             is_f64: false,
-            in_f32: TreeStreams::default(),
-            in_f64: TreeStreams::default(),
+            in_f32: RayTreeStreams::default(),
+            in_f64: RayTreeStreams::default(),
         }
     }
 
@@ -92,8 +93,8 @@ impl Whitted {
 
     /// Sets the media around the camera: one list for all rays, or one for each ray of the next call. Without a list, all rays start
     /// in air.
-    pub fn set_surroundings(&mut self, surroundings: &[InteriorList]) {
-        surroundings.clone_into(&mut self.surroundings);
+    pub fn set_camera_media(&mut self, camera_media: &[InteriorList]) {
+        camera_media.clone_into(&mut self.camera_media);
     }
 
     /// Work done so far.
@@ -112,24 +113,24 @@ impl Whitted {
 
     /// Radiance of one camera ray in a world whose queries are answered one by one, in `f64`.
     pub fn radiance(&mut self, world: &mut dyn SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
-        let (mut rays, mut seen) = (RayStream::default(), [RadianceSample::MISS]);
+        let (mut rays, mut radiances) = (RayStream::default(), [RadianceSample::MISS]);
         rays.push(ray, Interval::FORWARD);
         let is_f64 = core::mem::replace(&mut self.is_f64, true);
-        self.radiance_of_stream(&mut SingleQueries::new(world), appearance, &mut rays, &mut seen);
+        self.radiance_of_stream(&mut SingleQueries::new(world), appearance, &mut rays, &mut radiances);
         self.is_f64 = is_f64;
-        seen[0]
+        radiances[0]
     }
 
-    /// Radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`. Does nothing unless `seen` has an entry for
-    /// each ray. Non-finite scenes give non-finite radiance, which the caller handles.
+    /// Radiance of the camera rays of a stream, which are lost: `radiances[i]` is that of ray `i`. Does nothing unless
+    /// `radiances` has an entry for each ray. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
         appearance: &Appearance,
         rays: &mut RayStream,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
-        if seen.len() != rays.len() {
+        if radiances.len() != rays.len() {
             return;
         }
         self.has_time |= rays.has_time();
@@ -137,10 +138,10 @@ impl Whitted {
             // Rays that stages append behind these get no times.
             rays.time.as_mut_slice().fill(0.0);
         }
-        let Self { settings, phongs, surroundings, lanes, has_time, is_f64, in_f32, in_f64 } = self;
+        let Self { settings, phongs, camera_media, lanes, has_time, is_f64, in_f32, in_f64 } = self;
         let phongs = phongs.get_or_insert_with(|| LanePhongs::new(appearance, &settings.features));
-        let inputs = &TreeInputs { settings, appearance, phongs, has_time: *has_time };
-        let batch = TreeBatch { rays, surroundings, seen };
+        let inputs = &RayTreeInputs { settings, appearance, phongs, has_time: *has_time };
+        let batch = RayTreeBatch { rays, camera_media, radiances };
         if *is_f64 {
             in_f64.trace(inputs, None, world, batch);
         } else {

@@ -85,29 +85,29 @@ fn scan() -> Vec<Ray> {
 fn main() -> Result<(), Box<dyn Error>> {
     let mut forest = forest(5000);
     let rays = scan();
-    println!("{:10} {:>8} {:>8} {:>10} {:>10}", "structure", "Mrays/s", "KiB", "nodes/ray", "tests/ray");
+    println!("{:11} {:>8} {:>8} {:>10} {:>10}", "accelerator", "Mrays/s", "KiB", "nodes/ray", "tests/ray");
     let mut answers: Vec<Vec<Option<u64>>> = Vec::new();
     for &kind in AcceleratorKind::ALL {
-        let structure = AnyAccelerator::build(kind, &forest)?;
-        structure.validate(&forest)?;
+        let accelerator = AnyAccelerator::build(kind, &forest)?;
+        accelerator.validate(&forest)?;
         let start = Instant::now();
         let hits: Vec<_> =
-            rays.iter().map(|ray| structure.closest(&forest, ray, Interval::FORWARD, &mut NoProbe)).collect();
+            rays.iter().map(|ray| accelerator.closest(&forest, ray, Interval::FORWARD, &mut NoProbe)).collect();
         let speed = rays.len() as f64 / start.elapsed().as_secs_f64() / 1e6;
 
         // Once more with a probe that counts; `NoProbe` costs nothing.
         let mut counters = Counters::default();
         for ray in &rays {
-            structure.closest(&forest, ray, Interval::FORWARD, &mut counters);
+            accelerator.closest(&forest, ray, Interval::FORWARD, &mut counters);
         }
         let per_ray = |count: u64| count as f64 / rays.len() as f64;
         let (nodes, tests) = (per_ray(counters.total().nodes), per_ray(counters.total().tests));
-        let kib = structure.memory() as f64 / 1024.0;
-        println!("{:10} {speed:8.2} {kib:8.1} {nodes:10.2} {tests:10.2}", kind.name());
+        let kib = accelerator.memory() as f64 / 1024.0;
+        println!("{:11} {speed:8.2} {kib:8.1} {nodes:10.2} {tests:10.2}", kind.name());
         answers.push(hits.iter().map(|hit| hit.map(|hit| hit.t.to_bits())).collect());
     }
     if answers.windows(2).any(|pair| pair[0] != pair[1]) {
-        return Err("the structures disagree, which cannot be".into());
+        return Err("the accelerators disagree, which cannot be".into());
     }
     println!("All of them give the same {} hits, bit for bit.\n", answers[0].iter().flatten().count());
 

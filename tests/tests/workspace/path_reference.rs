@@ -27,7 +27,7 @@ fn rendered(scene: &Scene) -> Rendered {
     let errors = rendering.standard_error.expect("maps are kept");
     let statistics = &rendering.statistics;
     let shading = &statistics.shading;
-    let counts = [shading.passages, shading.interior_overflows, shading.clamped, statistics.bad_samples];
+    let counts = [shading.null_interfaces, shading.interior_overflows, shading.clamped, statistics.bad_samples];
     ([rendering.film.pixels(), errors.pixels()].concat(), counts)
 }
 

@@ -62,7 +62,7 @@ fn page(tables: &str, rays: u32, reps: u32, provenance: &str) -> String {
 /// Rays per second by kind, build times, memory.
 fn tables(figures: &[Figure]) -> String {
     let bvh = |figure: &Figure, kind: &str| {
-        let is_bvh = |other: &&Figure| other.scene == figure.scene && other.structure == AcceleratorKind::Bvh.name();
+        let is_bvh = |other: &&Figure| other.scene == figure.scene && other.accelerator == AcceleratorKind::Bvh.name();
         Some(figures.iter().find(is_bvh)?.of(kind)?.mega_rays())
     };
     let rates = ["primary", "shadow", "diffuse", "random"].map(|kind| {

@@ -1,7 +1,7 @@
 //! `bench`: speed of rays, images, loading and building.
 //!
 //! ```text
-//!   cargo xtask bench                    every structure on scenes that are made here
+//!   cargo xtask bench                    every accelerator on scenes that are made here
 //!   cargo xtask bench rays --folder DIR  meshes and rays from neutral files, which other tracers read as well
 //!   cargo xtask bench render             whole images, from neutral descriptions
 //!   cargo xtask bench cornell REFERENCE  error and efficiency on the Cornell box

@@ -16,8 +16,8 @@ const TREES: [&str; 8] = ["bvh", "bvh8", "sphere-tree", "cylinder-tree", "kd", "
 
 impl Costs {
     /// An accelerator on the largest scene of a name.
-    fn largest(&self, scene: &str, structure: &str) -> Option<&Figure> {
-        let figures = self.figures.iter().filter(|figure| (figure.scene, figure.structure) == (scene, structure));
+    fn largest(&self, scene: &str, accelerator: &str) -> Option<&Figure> {
+        let figures = self.figures.iter().filter(|figure| (figure.scene, figure.accelerator) == (scene, accelerator));
         figures.max_by_key(|figure| figure.primitives)
     }
 
@@ -32,8 +32,8 @@ impl Costs {
         scenes.into_iter().filter_map(|scene| Some((self.largest(scene, a)?, self.largest(scene, b)?))).collect()
     }
 
-    fn growth(&self, scene: &str, structure: &str) -> Option<&Growth> {
-        self.growth.iter().find(|growth| (growth.scene, growth.structure) == (scene, structure))
+    fn growth(&self, scene: &str, accelerator: &str) -> Option<&Growth> {
+        self.growth.iter().find(|growth| (growth.scene, growth.accelerator) == (scene, accelerator))
     }
 }
 
@@ -96,9 +96,9 @@ fn even_spheres(costs: &Costs) -> Option<String> {
         grouped(grid.primitives as u64),
         three_digits(grid.work()),
         three_digits(leanest.work()),
-        leanest.structure,
+        leanest.accelerator,
         three_digits(grid.seconds_per_ray() / fastest.seconds_per_ray()),
-        fastest.structure,
+        fastest.accelerator,
         three_digits(grid.build_seconds / costs.largest("mound", "bvh")?.build_seconds),
         work_and_time(grid.work() < leanest.work(), grid.seconds_per_ray() < fastest.seconds_per_ray()),
     ))
@@ -119,10 +119,10 @@ fn logarithm(costs: &Costs) -> Option<String> {
     let (min, most) = (*sizes.iter().min()? as f64, *sizes.iter().max()? as f64);
     let log = rt_math::transcendental::log;
     let expected = log(log(most) / log(min)) / log(most / min);
-    let slopes = |structure: &str| {
-        let slopes = costs.growth.iter().filter(|growth| growth.structure == structure);
+    let slopes = |accelerator: &str| {
+        let slopes = costs.growth.iter().filter(|growth| growth.accelerator == accelerator);
         let (min, max) = range(slopes.map(|growth| growth.work.exponent))?;
-        Some(format!("`{structure}` {min:.2}–{max:.2}"))
+        Some(format!("`{accelerator}` {min:.2}–{max:.2}"))
     };
     let slopes: Vec<String> = TREES.iter().filter_map(|tree| slopes(tree)).collect();
     Some(format!(
@@ -156,15 +156,15 @@ fn fewest(costs: &Costs) -> Option<String> {
         let best = |scene: &str| {
             let cost = |figure: &Figure| figure.rays.iter().map(cost).sum::<f64>();
             let figures = TREES.iter().filter_map(|tree| costs.largest(scene, tree));
-            figures.min_by(|a, b| cost(a).total_cmp(&cost(b))).map(|figure| (figure.scene, figure.structure))
+            figures.min_by(|a, b| cost(a).total_cmp(&cost(b))).map(|figure| (figure.scene, figure.accelerator))
         };
         scenes.iter().filter_map(|(figure, _)| best(figure.scene)).collect::<Vec<_>>()
     };
     let list = |winners: &[(&str, &str)]| {
-        winners.iter().map(|(scene, structure)| format!("{scene} `{structure}`")).collect::<Vec<_>>().join(", ")
+        winners.iter().map(|(scene, accelerator)| format!("{scene} `{accelerator}`")).collect::<Vec<_>>().join(", ")
     };
     let (nodes, tests) = (min(RayFigure::nodes_per_ray), min(RayFigure::tests_per_ray));
-    let holds = nodes.iter().filter(|(_, structure)| *structure == "kd").count();
+    let holds = nodes.iter().filter(|(_, accelerator)| *accelerator == "kd").count();
     Some(format!(
         "**The kd-tree visits the fewest nodes of all trees** (the lecture). Fewest nodes visited: {}. Fewest primitives \
          tested: {}. The claim {}. A visit of a node of `bvh8` tests eight boxes, of `bvh` two boxes, and of `kd` one \
@@ -182,7 +182,7 @@ fn ratios(costs: &Costs, a: &str, b: &str, cost: fn(&Figure) -> f64) -> Option<S
 }
 
 fn loose(costs: &Costs) -> Option<String> {
-    let against = |structure| ratios(costs, structure, "bvh", Figure::work);
+    let against = |accelerator| ratios(costs, accelerator, "bvh", Figure::work);
     let pairs = [costs.pairs("sphere-tree", "bvh"), costs.pairs("cylinder-tree", "bvh")].concat();
     let holds = pairs.iter().filter(|(volume, bvh)| volume.work() > bvh.work()).count();
     Some(format!(
@@ -244,7 +244,7 @@ fn lazy(costs: &Costs) -> Option<String> {
 mod tests {
     use super::{super::growth, *};
 
-    fn figure(scene: &'static str, primitives: usize, structure: &'static str, work: u64) -> Figure {
+    fn figure(scene: &'static str, primitives: usize, accelerator: &'static str, work: u64) -> Figure {
         let rays = |kind| RayFigure {
             kind,
             rays: 10,
@@ -257,7 +257,7 @@ mod tests {
         Figure {
             scene,
             primitives,
-            structure,
+            accelerator,
             build_seconds: 1.0,
             bytes: primitives,
             nodes: 1,

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub(crate) struct Figure {
     pub scene: &'static str,
     pub primitives: usize,
-    pub structure: &'static str,
+    pub accelerator: &'static str,
     /// Minimum time of a build, on all threads.
     pub build_seconds: f64,
     /// Bytes held after all rays have been traced.

@@ -17,7 +17,7 @@ pub(super) struct Slope {
 #[derive(Debug, Serialize)]
 pub(super) struct Growth {
     pub scene: &'static str,
-    pub structure: &'static str,
+    pub accelerator: &'static str,
     pub build: Slope,
     pub memory: Slope,
     /// Nodes and tests of a ray.
@@ -37,7 +37,7 @@ pub(super) struct Costs {
 pub(super) fn of(figures: &[Figure]) -> Vec<Growth> {
     let mut growth = Vec::new();
     for (index, first) in figures.iter().enumerate() {
-        let same = |figure: &&Figure| (figure.scene, figure.structure) == (first.scene, first.structure);
+        let same = |figure: &&Figure| (figure.scene, figure.accelerator) == (first.scene, first.accelerator);
         if figures[..index].iter().any(|figure| same(&figure)) {
             continue;
         }
@@ -51,7 +51,7 @@ pub(super) fn of(figures: &[Figure]) -> Vec<Growth> {
             slope(Figure::work),
             slope(Figure::seconds_per_ray),
         ) {
-            growth.push(Growth { scene: first.scene, structure: first.structure, build, memory, work, time });
+            growth.push(Growth { scene: first.scene, accelerator: first.accelerator, build, memory, work, time });
         }
     }
     growth

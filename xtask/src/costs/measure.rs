@@ -38,30 +38,30 @@ pub(crate) fn scene<P: Surfaces>(
         sets.push(rays::random(&scene.view, rays));
     }
     let mut answers = vec![Vec::new(); sets.len()];
-    let mut structures = Vec::new();
+    let mut accelerators = Vec::new();
     let mut figures = Vec::new();
     // A tree sets the answers for all rays of a set, and brute force confirms those that it can afford.
     let mut kinds = AcceleratorKind::ALL.to_vec();
     kinds.sort_by_key(|kind| *kind != AcceleratorKind::Bvh);
     for kind in kinds {
-        let (structure, build_seconds) = build(kind, &scene.primitives, repeats)?;
+        let (accelerator, build_seconds) = build(kind, &scene.primitives, repeats)?;
         let mut rays = Vec::new();
         for (set, expected) in sets.iter().zip(&mut answers) {
-            rays.push(first_pass(&structure, scene, set, expected)?);
+            rays.push(first_pass(&accelerator, scene, set, expected)?);
         }
-        figures.push(figure(scene, &structure, build_seconds, rays));
-        structures.push(structure);
+        figures.push(figure(scene, &accelerator, build_seconds, rays));
+        accelerators.push(accelerator);
     }
     // Accelerators take turns, so that a machine that slows down meanwhile slows them all.
     for _ in 0..repeats {
-        for (structure, figure) in structures.iter().zip(&mut figures) {
+        for (accelerator, figure) in accelerators.iter().zip(&mut figures) {
             for (set, figure) in sets.iter().zip(&mut figure.rays) {
-                let seconds = time(structure, &scene.primitives, RaySample { set, rays: figure.rays });
+                let seconds = time(accelerator, &scene.primitives, RaySample { set, rays: figure.rays });
                 figure.seconds = figure.seconds.min(seconds);
             }
         }
     }
-    figures.sort_by_key(|figure| AcceleratorKind::ALL.iter().position(|kind| kind.name() == figure.structure));
+    figures.sort_by_key(|figure| AcceleratorKind::ALL.iter().position(|kind| kind.name() == figure.accelerator));
     Ok(figures)
 }
 
@@ -74,12 +74,12 @@ fn build<P: Primitives>(
     let mut spent = 0.0;
     for repeat in 1.. {
         let started = Instant::now();
-        let structure = AnyAccelerator::build(kind, primitives).map_err(TaskError::other)?;
+        let accelerator = AnyAccelerator::build(kind, primitives).map_err(TaskError::other)?;
         let seconds = started.elapsed().as_secs_f64();
         min = min.min(seconds);
         spent += seconds;
         if repeat >= repeats || spent > PATIENCE {
-            return Ok((structure, min));
+            return Ok((accelerator, min));
         }
     }
     Err(TaskError::Other("there are no repeats".into()))
@@ -96,23 +96,23 @@ fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 3], Ta
 
 /// Counts, and compares the answers with those of the first accelerator.
 fn first_pass<P: Primitives>(
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     scene: &Scene<P>,
     set: &RaySet,
     expected: &mut Vec<RayAnswer>,
 ) -> Result<RayFigure, TaskError> {
     let started = Instant::now();
     let pilot = RaySample { set, rays: set.rays.len().min(PILOT) };
-    let (_, tally) = count(structure, &scene.primitives, pilot);
+    let (_, tally) = count(accelerator, &scene.primitives, pilot);
     let work = (tally.nodes + tally.tests) as f64 / pilot.rays as f64;
     let sample = RaySample { set, rays: set.rays.len().min((AFFORDABLE / work) as usize).max(pilot.rays) };
-    let (answers, tally) = count(structure, &scene.primitives, sample);
+    let (answers, tally) = count(accelerator, &scene.primitives, sample);
     let first_seconds = started.elapsed().as_secs_f64();
     if expected.is_empty() {
         expected.clone_from(&answers);
     }
     if sample.places().zip(&answers).any(|(place, answer)| expected.get(place) != Some(answer)) {
-        let (scene, kind, name) = (scene.name, set.kind, structure.kind().name());
+        let (scene, kind, name) = (scene.name, set.kind, accelerator.kind().name());
         return Err(TaskError::Other(format!("{scene}, {kind} rays: {name} gives another answer")));
     }
     let hits = answers.iter().filter(|answer| **answer != RayAnswer::Miss).count();
@@ -122,17 +122,17 @@ fn first_pass<P: Primitives>(
 
 fn figure<P: Primitives>(
     scene: &Scene<P>,
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     build_seconds: f64,
     rays: Vec<RayFigure>,
 ) -> Figure {
-    let stats = structure.build_stats();
+    let stats = accelerator.build_stats();
     Figure {
         scene: scene.name,
         primitives: scene.primitives.len(),
-        structure: structure.kind().name(),
+        accelerator: accelerator.kind().name(),
         build_seconds,
-        bytes: structure.memory(),
+        bytes: accelerator.memory(),
         nodes: stats.nodes,
         leaves: stats.leaves,
         references: stats.references,
@@ -147,7 +147,7 @@ mod tests {
     use crate::scenes;
 
     #[test]
-    fn every_structure_is_measured_and_brute_force_tests_everything() {
+    fn every_accelerator_is_measured_and_brute_force_tests_everything() {
         let figures = scene(&scenes::mound(700).unwrap(), 400, 1, true).unwrap();
         assert_eq!(figures.len(), AcceleratorKind::ALL.len());
         for figure in &figures {
@@ -167,11 +167,11 @@ mod tests {
     fn another_answer_is_noticed() {
         let scene = scenes::mound(50).unwrap();
         let set = rays::primary(&scene.view, 100);
-        let structure = AnyAccelerator::build(AcceleratorKind::Linear, &scene.primitives).unwrap();
+        let accelerator = AnyAccelerator::build(AcceleratorKind::Linear, &scene.primitives).unwrap();
         let mut expected = Vec::new();
-        first_pass(&structure, &scene, &set, &mut expected).unwrap();
-        first_pass(&structure, &scene, &set, &mut expected).unwrap();
-        expected[57] = RayAnswer::Blocked;
-        assert!(first_pass(&structure, &scene, &set, &mut expected).is_err());
+        first_pass(&accelerator, &scene, &set, &mut expected).unwrap();
+        first_pass(&accelerator, &scene, &set, &mut expected).unwrap();
+        expected[57] = RayAnswer::Occluded;
+        assert!(first_pass(&accelerator, &scene, &set, &mut expected).is_err());
     }
 }

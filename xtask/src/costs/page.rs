@@ -76,9 +76,9 @@ pub(crate) fn each(figures: &[Figure], title: &str, cell: impl Fn(&Figure) -> Op
     let first = |scene: &str| figures.iter().position(|figure| figure.scene == scene);
     rows.sort_by_key(|(scene, _)| first(scene));
     let rows = rows.into_iter().map(|row| (format!("{} {}", row.0, crate::number::grouped(row.1 as u64)), row));
-    Matrix::new(title, rows, |&(scene, primitives), structure| {
-        let key = (scene, primitives, structure);
-        cell(figures.iter().find(|figure| (figure.scene, figure.primitives, figure.structure) == key)?)
+    Matrix::new(title, rows, |&(scene, primitives), accelerator| {
+        let key = (scene, primitives, accelerator);
+        cell(figures.iter().find(|figure| (figure.scene, figure.primitives, figure.accelerator) == key)?)
     })
 }
 
@@ -86,10 +86,10 @@ pub(crate) fn each(figures: &[Figure], title: &str, cell: impl Fn(&Figure) -> Op
 fn growth(costs: &Costs, title: &str, slope: impl Fn(&Growth) -> Slope) -> Matrix {
     let mut rows: Vec<&str> = costs.growth.iter().map(|growth| growth.scene).collect();
     rows.dedup();
-    Matrix::new(title, rows.into_iter().map(|scene| (scene.to_owned(), scene)), |scene, structure| {
-        let key = (*scene, structure);
+    Matrix::new(title, rows.into_iter().map(|scene| (scene.to_owned(), scene)), |scene, accelerator| {
+        let key = (*scene, accelerator);
         let Slope { exponent, error } =
-            slope(costs.growth.iter().find(|growth| (growth.scene, growth.structure) == key)?);
+            slope(costs.growth.iter().find(|growth| (growth.scene, growth.accelerator) == key)?);
         Some(format!("{exponent:.2} ± {error:.2}"))
     })
 }

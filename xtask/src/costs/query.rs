@@ -25,7 +25,7 @@ impl RaySample<'_> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RayAnswer {
     Miss,
-    Blocked,
+    Occluded,
     Hit { t: u64, instance: u32, primitive: u32, uv: [u64; 2] },
 }
 
@@ -41,21 +41,21 @@ impl From<Option<Hit>> for RayAnswer {
 }
 
 impl From<bool> for RayAnswer {
-    fn from(is_blocked: bool) -> Self {
-        if is_blocked { Self::Blocked } else { Self::Miss }
+    fn from(is_occluded: bool) -> Self {
+        if is_occluded { Self::Occluded } else { Self::Miss }
     }
 }
 
 /// All answers, with what they took.
 pub(super) fn count<P: Primitives>(
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     primitives: &P,
     sample: RaySample<'_>,
 ) -> (Vec<RayAnswer>, RayStats) {
     let (mut answers, mut counters) = (Vec::with_capacity(sample.rays), Counters::default());
     // The kind is a formality: each sample has counters of its own.
     counters.ray(RayKind::Primary);
-    structure.accept(CountedTrace {
+    accelerator.accept(CountedTrace {
         primitives,
         sample,
         probe: &mut counters,
@@ -65,11 +65,11 @@ pub(super) fn count<P: Primitives>(
 }
 
 /// Seconds for all answers, by the clock of the thread: other processes do not count.
-pub(super) fn time<P: Primitives>(structure: &AnyAccelerator, primitives: &P, sample: RaySample<'_>) -> f64 {
+pub(super) fn time<P: Primitives>(accelerator: &AnyAccelerator, primitives: &P, sample: RaySample<'_>) -> f64 {
     let mut hits = 0;
     let answered = |answer| hits += usize::from(answer != RayAnswer::Miss);
     let started = ThreadTime::now();
-    structure.accept(CountedTrace { primitives, sample, probe: &mut NoProbe, answered });
+    accelerator.accept(CountedTrace { primitives, sample, probe: &mut NoProbe, answered });
     std::hint::black_box(hits);
     started.elapsed().as_secs_f64()
 }
@@ -84,14 +84,14 @@ struct CountedTrace<'a, P, S, F> {
 impl<P: Primitives, S: Probe, F: FnMut(RayAnswer)> AcceleratorVisitor for CountedTrace<'_, P, S, F> {
     type Output = ();
 
-    fn visit<T: Accelerator>(self, structure: &T) {
+    fn visit<T: Accelerator>(self, accelerator: &T) {
         let Self { primitives, sample, probe, mut answered } = self;
         for place in sample.places() {
             let (ray, span) = &sample.set.rays[place];
             answered(if sample.set.any {
-                structure.occluded(primitives, ray, *span, probe).into()
+                accelerator.occluded(primitives, ray, *span, probe).into()
             } else {
-                structure.closest(primitives, ray, *span, probe).into()
+                accelerator.closest(primitives, ray, *span, probe).into()
             });
         }
     }

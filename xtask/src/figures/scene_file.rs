@@ -26,7 +26,7 @@ const HALF: f64 = 0.045;
 /// The still life, with lines around parts of it.
 pub(super) fn of_wires(wires: &Wires) -> String {
     let mut text = String::from(
-        "// The parts of a structure.\n(\n    camera: (look_from: (0.3, 9.6, 7.6), look_at: (0.3, 0.3, -0.25), fov: 42),\n    \
+        "// The parts of an accelerator.\n(\n    camera: (look_from: (0.3, 9.6, 7.6), look_at: (0.3, 0.3, -0.25), fov: 42),\n    \
          film: (size: (320, 240)),\n    settings: (sampler: grid, spp: 16, max_depth: 0),\n    background: constant(gray(1)),\n    \
          lights: [ambient(gray(1)), directional(direction: (0.4, -1, -0.5), intensity: gray(0.5))],\n    materials: {\n        \
          \"ball\": phong(color: rgb(0.72, 0.74, 0.78), ambient: gray(0.5), diffuse: gray(0.6)),\n        \

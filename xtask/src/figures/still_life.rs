@@ -40,12 +40,12 @@ pub(super) fn wires(kind: AcceleratorKind) -> Result<Wires, TaskError> {
             })
         }
         _ => {
-            let structure = AnyAccelerator::build(kind, &primitives).map_err(TaskError::other)?;
+            let accelerator = AnyAccelerator::build(kind, &primitives).map_err(TaskError::other)?;
             // What is lazy shows what one ray has made of it, which falls on the large sphere on the left.
             let (x, z, _) = SPHERES[0];
             let ray = Ray::new(DVec3::new(x, 5.0, z), DVec3::NEG_Y);
-            structure.closest(&primitives, &ray, Interval::FORWARD, &mut NoProbe);
-            structure.for_each_box(|aabb, depth| around_box(&aabb, depth, &mut wires));
+            accelerator.closest(&primitives, &ray, Interval::FORWARD, &mut NoProbe);
+            accelerator.for_each_box(|aabb, depth| around_box(&aabb, depth, &mut wires));
         }
     }
     Ok(wires)
@@ -56,14 +56,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_structure_but_brute_force_has_parts_to_show() {
+    fn every_accelerator_but_brute_force_has_parts_to_show() {
         for kind in AcceleratorKind::ALL {
             assert_eq!(wires(*kind).unwrap().is_empty(), *kind == AcceleratorKind::Linear, "{kind:?}");
         }
     }
 
     #[test]
-    fn a_lazy_structure_shows_less_than_a_full_one() {
+    fn a_lazy_accelerator_shows_less_than_a_full_one() {
         let [lazy, full] = [AcceleratorKind::BihLazy, AcceleratorKind::Bih].map(|kind| wires(kind).unwrap().len());
         assert!(lazy < full, "{lazy} of {full}");
     }

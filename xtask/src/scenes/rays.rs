@@ -91,11 +91,11 @@ pub(crate) fn random(bounds: &Aabb, count: u32) -> RaySet {
 /// Surfaces at what the rays hit.
 pub(crate) fn surfaces<P: Surfaces>(
     primitives: &P,
-    structure: &impl Accelerator,
+    accelerator: &impl Accelerator,
     rays: &RaySet,
 ) -> Vec<SurfaceInteraction> {
     let surface = |(ray, span): &(Ray, Interval)| {
-        primitives.surface(ray, &structure.closest(primitives, ray, *span, &mut NoProbe)?)
+        primitives.surface(ray, &accelerator.closest(primitives, ray, *span, &mut NoProbe)?)
     };
     rays.rays.iter().filter_map(surface).collect()
 }

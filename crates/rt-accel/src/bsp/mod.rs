@@ -111,9 +111,9 @@ mod tests {
         let boxes = Boxes(&aabbs);
         let tree = BspTree(BspPartition::build(&boxes, &Haphazard).expect("boxes"));
         let linear = Linear::build(&boxes).expect("boxes");
-        fn found(structure: &impl Accelerator, boxes: &Boxes<'_>, sphere: &SphereRegion) -> Vec<u32> {
+        fn found(accelerator: &impl Accelerator, boxes: &Boxes<'_>, sphere: &SphereRegion) -> Vec<u32> {
             let mut found = Vec::new();
-            structure.visit_overlapping(boxes, sphere, |index| {
+            accelerator.visit_overlapping(boxes, sphere, |index| {
                 found.push(index);
                 ControlFlow::Continue(())
             });

@@ -92,9 +92,9 @@ impl Primitives for Instances<'_, '_> {
         hits[..n].iter_mut().flatten().for_each(|hit| hit.instance = instance.id);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        let n = rays.len().min(blocked.len());
-        let Some((instance, geometry)) = self.get(index) else { return blocked[..n].fill(false) };
-        geometry.occluded_batch(&instance.local_rays(&rays[..n]), &mut blocked[..n], probe);
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+        let n = rays.len().min(occluded.len());
+        let Some((instance, geometry)) = self.get(index) else { return occluded[..n].fill(false) };
+        geometry.occluded_batch(&instance.local_rays(&rays[..n]), &mut occluded[..n], probe);
     }
 }

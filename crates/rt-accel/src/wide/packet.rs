@@ -424,7 +424,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                             t_max = self.intersect_instance(index, view.rays, uncertain, results, t_max);
                         }
                         // A triangle in a tree of other primitives: a floor among spheres.
-                        kernel @ BatchKernel::Triangle(_) if !O::ANY_HIT || self.tester.blocks(index) => {
+                        kernel @ BatchKernel::Triangle(_) if !O::ANY_HIT || self.tester.casts_shadow(index) => {
                             let left =
                                 self.intersect_exactly(&kernel, (slot, uncertain), view.rays, results, &mut t_max);
                             possible &= bounds.certain | left;

@@ -13,12 +13,12 @@ use crate::{RayQuery, RegionQuery, bvh::SlabRay32, erased, ray_query::is_finite}
 
 /// Deferred children with their sort keys, the farthest of a node deepest.
 struct ScalarStack {
-    entries: [(f64, Child, Place); STACK],
+    entries: [(f64, Child, NodeLane); STACK],
     len: usize,
 }
 
 /// Parent node and lane of a child.
-type Place = (u32, u8);
+type NodeLane = (u32, u8);
 
 impl ScalarStack {
     const fn new() -> Self {
@@ -26,17 +26,17 @@ impl ScalarStack {
     }
 
     /// Inserts an entry in descending order among those of the same node, which begin at `first`.
-    fn insert(&mut self, first: usize, entry: (f64, Child, Place)) {
+    fn insert(&mut self, first: usize, entry: (f64, Child, NodeLane)) {
         debug_assert!(self.len < STACK, "the tree is deeper than its builder promises");
         let end = self.len.min(STACK - 1);
         let first = first.min(end);
-        let place = first + self.entries[first..end].partition_point(|known| known.0 > entry.0);
-        self.entries[place..=end].rotate_right(1);
-        self.entries[place] = entry;
+        let at = first + self.entries[first..end].partition_point(|known| known.0 > entry.0);
+        self.entries[at..=end].rotate_right(1);
+        self.entries[at] = entry;
         self.len = end + 1;
     }
 
-    fn pop(&mut self) -> Option<(f64, Child, Place)> {
+    fn pop(&mut self) -> Option<(f64, Child, NodeLane)> {
         self.len = self.len.checked_sub(1)?;
         Some(self.entries[self.len])
     }
@@ -109,9 +109,9 @@ impl WideBvh {
     pub(super) fn descend_region<Q: RegionQuery>(&self, query: &mut Q) -> ControlFlow<()> {
         let mut stack = ScalarStack::new();
         stack.insert(0, (0.0, self.root, (u32::MAX, 0)));
-        while let Some((_, child, place)) = stack.pop() {
+        while let Some((_, child, child_lane)) = stack.pop() {
             // The query may have shrunk since the push.
-            if self.box_at(place).is_some_and(|bounds| query.distance_to(&bounds).is_none()) {
+            if self.box_at(child_lane).is_some_and(|bounds| query.distance_to(&bounds).is_none()) {
                 continue;
             }
             if !child.is_node() {
@@ -121,9 +121,9 @@ impl WideBvh {
             let Some(node) = self.nodes.get(child.number()) else { continue };
             let first = stack.len;
             for lane in 0..8 {
-                let place = (child.number() as u32, lane);
-                if let Some(reach) = self.box_at(place).and_then(|bounds| query.distance_to(&bounds)) {
-                    stack.insert(first, (reach, node.children[usize::from(lane)], place));
+                let child_lane = (child.number() as u32, lane);
+                if let Some(reach) = self.box_at(child_lane).and_then(|bounds| query.distance_to(&bounds)) {
+                    stack.insert(first, (reach, node.children[usize::from(lane)], child_lane));
                 }
             }
         }
@@ -131,7 +131,7 @@ impl WideBvh {
     }
 
     /// World-space box of a child; `None` for the root.
-    fn box_at(&self, (node, lane): Place) -> Option<Aabb> {
+    fn box_at(&self, (node, lane): NodeLane) -> Option<Aabb> {
         let bounds = self.nodes.get(node as usize)?.child_box(usize::from(lane))?;
         Some(bounds.at(self.centre))
     }

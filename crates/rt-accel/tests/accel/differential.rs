@@ -50,8 +50,8 @@ impl Answers {
             let query @ Query { ray, span } = adversarial(&soup, &world, &mut draw);
             let closest = brute_force::closest(&soup, &ray, span, &mut NoProbe);
             let all = i.is_multiple_of(8).then(|| {
-                let blocked = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
-                assert_eq!(blocked, closest.is_some(), "seed {seed}, ray {i}: {query:?}");
+                let occluded = brute_force::occluded(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(occluded, closest.is_some(), "seed {seed}, ray {i}: {query:?}");
                 let mut all = Vec::new();
                 linear.all_hits(&soup, &ray, span, &mut all, &mut NoProbe);
                 all
@@ -64,21 +64,21 @@ impl Answers {
         Self { soup, seed, rays }
     }
 
-    fn compare<A: Accelerator>(&self, name: &str, structure: &A) -> Outcome {
+    fn compare<A: Accelerator>(&self, name: &str, accelerator: &A) -> Outcome {
         let Self { soup, seed, rays } = self;
         let mut found_all = Vec::new();
         let mut n_hits = 0;
         let mut counters = Counters::default();
         for (i, Answer { query, closest, all }) in rays.iter().enumerate() {
             let Query { ray, span } = query;
-            let found = structure.closest(soup, ray, *span, &mut counters);
+            let found = accelerator.closest(soup, ray, *span, &mut counters);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
             assert_eq!(key(found), key(*closest), "{name}, seed {seed}, ray {i}: {query:?}");
-            let blocked = structure.occluded(soup, ray, *span, &mut NoProbe);
-            assert_eq!(blocked, closest.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
-            n_hits += usize::from(blocked);
+            let occluded = accelerator.occluded(soup, ray, *span, &mut NoProbe);
+            assert_eq!(occluded, closest.is_some(), "{name}, seed {seed}, ray {i}: {query:?}");
+            n_hits += usize::from(occluded);
             if let Some(all) = all {
-                structure.all_hits(soup, ray, *span, &mut found_all, &mut NoProbe);
+                accelerator.all_hits(soup, ray, *span, &mut found_all, &mut NoProbe);
                 let keys = |hits: &[Hit]| hits.iter().map(|hit| key(Some(*hit))).collect::<Vec<_>>();
                 assert_eq!(keys(&found_all), keys(all), "{name}, seed {seed}, ray {i}: {query:?}");
             }
@@ -88,8 +88,8 @@ impl Answers {
     }
 }
 
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, seed: u64) -> Outcome {
-    Answers::new(soup.clone(), seed).compare(name, structure)
+fn compare<A: Accelerator>(name: &str, accelerator: &A, soup: &Soup, seed: u64) -> Outcome {
+    Answers::new(soup.clone(), seed).compare(name, accelerator)
 }
 
 /// Mixed solids at several distances from the origin and of several sizes, with and without an unbounded one.
@@ -119,9 +119,9 @@ fn compare_all<A: Accelerator>(name: &str, most_tested: f64, build: impl Fn(&Sou
     println!("{name}: seed {}", run_seed());
     let mut total = 0;
     for (scene, answers) in SCENES.iter() {
-        let structure = build(&answers.soup);
-        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &structure);
-        assert_eq!(structure.validate(&answers.soup), Ok(()), "{name}, {scene}");
+        let accelerator = build(&answers.soup);
+        let Outcome { n_hits, tested, .. } = answers.compare(&format!("{name}, {scene}"), &accelerator);
+        assert_eq!(accelerator.validate(&answers.soup), Ok(()), "{name}, {scene}");
         println!("{name}, {scene}: {} rays, {n_hits} hits, {tested:.3} of primitives tested, 0 differences", n_rays());
         assert!(n_hits > n_rays() / 10, "{scene}: rays must hit something to mean anything, {n_hits} did");
         assert!(tested < most_tested, "{scene}: {tested} of all primitives were tested");
@@ -257,12 +257,12 @@ fn linear_equals_brute_force_to_the_last_test() {
                     let [mut expected, mut counted] = [Counters::default(); 2];
                     let hit = brute_force::closest(&soup, &ray, span, &mut expected);
                     let found = linear.closest(&soup, &ray, span, &mut counted);
-                    let blocked = brute_force::occluded(&soup, &ray, span, &mut expected);
-                    let found_blocked = linear.occluded(&soup, &ray, span, &mut counted);
+                    let occluded = brute_force::occluded(&soup, &ray, span, &mut expected);
+                    let found_occluded = linear.occluded(&soup, &ray, span, &mut counted);
                     let name = format!("{} {name}, scale {scale:e}, offset {offset:e}, ray {i}", level.name());
-                    assert_eq!((found, found_blocked), (hit, blocked), "{name}: {query:?}");
+                    assert_eq!((found, found_occluded), (hit, occluded), "{name}: {query:?}");
                     assert_eq!(counted.total(), expected.total(), "{name}: {query:?}");
-                    n_hits += usize::from(blocked);
+                    n_hits += usize::from(occluded);
                     n_tested += 1;
                 }
             }

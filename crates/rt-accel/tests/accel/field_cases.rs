@@ -49,7 +49,7 @@ fn check(context: &str, mesh: &TriangleMesh<'_>, ray: &Ray, hits: &[Hit], expect
 }
 
 #[test]
-fn all_structures_give_the_exact_answers() {
+fn all_accelerators_give_the_exact_answers() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bindings/python/tests/field_cases/cases.json");
     let cases: Value = serde_json::from_str(&fs::read_to_string(path).expect("the cases")).expect("valid JSON");
     let mut n_rays = 0;

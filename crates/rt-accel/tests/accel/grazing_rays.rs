@@ -1,4 +1,4 @@
-//! Rays that graze triangles have the same bits in all structures, and in batches.
+//! Rays that graze triangles have the same bits in all accelerators, and in batches.
 
 use rt_accel::{
     Accelerator as _, AcceleratorKind, AnyAccelerator, DVec3, HitBatch, Interval, NoProbe, Ray, RayBatch, Scene,
@@ -41,8 +41,8 @@ fn lanes_and_packets_have_the_bits_of_the_scalar_test_for_grazing_rays() {
         let faces: Vec<[u32; 3]> = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = TriangleMesh::new(&positions, &faces).expect("a mesh");
         let scene = Scene::new(mesh.clone()).expect("a scene");
-        let structures = AcceleratorKind::ALL.iter().map(|kind| AnyAccelerator::build(*kind, &mesh).expect("a tree"));
-        let structures: Vec<AnyAccelerator> = structures.collect();
+        let accelerators = AcceleratorKind::ALL.iter().map(|kind| AnyAccelerator::build(*kind, &mesh).expect("a tree"));
+        let accelerators: Vec<AnyAccelerator> = accelerators.collect();
         let tilt = [1e-15, 1e-14, 1e-13, 1e-12, 1e-9][seed as usize % 5];
         let rays: Vec<Ray> = (0..N_RAYS).map(|i| grazing_ray(triangle, tilt, hash(&[seed, 9, i]))).collect();
         let expected: Vec<Option<f64>> = rays
@@ -55,10 +55,10 @@ fn lanes_and_packets_have_the_bits_of_the_scalar_test_for_grazing_rays() {
             })
             .collect();
         n_hits += expected.iter().flatten().count();
-        for structure in &structures {
+        for accelerator in &accelerators {
             for (ray, t) in rays.iter().zip(&expected) {
-                let hit = structure.closest(&mesh, ray, Interval::FORWARD, &mut NoProbe);
-                assert_eq!(hit.map(|hit| hit.t), *t, "{}: {ray:?}, {triangle:?}", structure.kind().name());
+                let hit = accelerator.closest(&mesh, ray, Interval::FORWARD, &mut NoProbe);
+                assert_eq!(hit.map(|hit| hit.t), *t, "{}: {ray:?}, {triangle:?}", accelerator.kind().name());
             }
         }
         for (ray, t) in rays.iter().zip(&expected) {

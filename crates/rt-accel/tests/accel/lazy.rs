@@ -64,9 +64,9 @@ fn it_does_the_same_work_as_the_full_tree() {
     assert_eq!(boxes(&lazy), boxes(&full));
 }
 
-fn boxes(structure: &impl Accelerator) -> Vec<(Aabb, u32)> {
+fn boxes(accelerator: &impl Accelerator) -> Vec<(Aabb, u32)> {
     let mut all = Vec::new();
-    structure.for_each_box(|aabb, depth| all.push((aabb, depth)));
+    accelerator.for_each_box(|aabb, depth| all.push((aabb, depth)));
     all
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
+use crate::soup::accelerators::Accelerators;
 use crate::soup::rays::{Query, adversarial};
-use crate::soup::structures::Structures;
 use crate::soup::{Solid, Soup};
 use rt_accel::{
     Aabb, Accelerator, AcceleratorKind, AnyAccelerator, Boxes, Bvh, ClosestPoint, DVec3, Frustum, Hit, Interval,
@@ -32,7 +32,7 @@ fn queries(soup: &Soup, count: usize, seed: u64) -> Vec<Query> {
 #[test]
 fn all_hits_are_those_of_each_primitive_by_itself() {
     let soup = scene(1);
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let (mut hits, mut n_hits) = (Vec::new(), 0);
     for Query { ray, span } in queries(&soup, 4000, 2) {
         all.0[0].all_hits(&soup, &ray, span, &mut hits, &mut NoProbe);
@@ -41,9 +41,9 @@ fn all_hits_are_those_of_each_primitive_by_itself() {
         let first = all.0[0].closest(&soup, &ray, span, &mut NoProbe);
         assert_eq!(hits.first().map(key), first.as_ref().map(key));
         n_hits += hits.len();
-        for structure in &all.0 {
-            structure.all_hits(&soup, &ray, span, &mut hits, &mut NoProbe);
-            assert_eq!(hits.iter().map(key).collect::<Vec<_>>(), expected, "{}: {ray:?}", structure.kind().name());
+        for accelerator in &all.0 {
+            accelerator.all_hits(&soup, &ray, span, &mut hits, &mut NoProbe);
+            assert_eq!(hits.iter().map(key).collect::<Vec<_>>(), expected, "{}: {ray:?}", accelerator.kind().name());
         }
     }
     assert!(n_hits > 8000, "{n_hits}");
@@ -56,11 +56,11 @@ fn a_sphere_is_met_twice_and_a_list_of_hits_is_reused() {
         Solid::Sphere { centre: DVec3::Z * 10.0, radius: 2.0 },
     ]);
     let ray = Ray::new(DVec3::ZERO, DVec3::Z);
-    for structure in &Structures::build(&soup).0 {
+    for accelerator in &Accelerators::build(&soup).0 {
         let mut hits = Vec::with_capacity(8);
         let capacity = hits.capacity();
         for _ in 0..2 {
-            structure.all_hits(&soup, &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+            accelerator.all_hits(&soup, &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
             let found: Vec<_> = hits.iter().map(|hit| (hit.t.round(), hit.primitive)).collect();
             assert_eq!(found, [(8.0, 1), (9.0, 0), (11.0, 0), (12.0, 1)]);
         }
@@ -71,17 +71,17 @@ fn a_sphere_is_met_twice_and_a_list_of_hits_is_reused() {
 #[test]
 fn first_hits_are_the_beginning_of_all_hits() {
     let soup = scene(3);
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let mut hits = Vec::new();
     for (i, Query { ray, span }) in queries(&soup, 4000, 4).into_iter().enumerate() {
         all.0[0].all_hits(&soup, &ray, span, &mut hits, &mut NoProbe);
         let capacity = i % 6;
         let expected: Vec<_> = hits.iter().take(capacity).map(key).collect();
-        for structure in &all.0 {
+        for accelerator in &all.0 {
             let mut first = [None; 5];
-            let found = structure.first_hits(&soup, &ray, span, &mut first[..capacity], &mut NoProbe);
+            let found = accelerator.first_hits(&soup, &ray, span, &mut first[..capacity], &mut NoProbe);
             let first: Vec<_> = first.iter().flatten().map(key).collect();
-            assert_eq!((found, &first), (expected.len(), &expected), "{}: {ray:?}", structure.kind().name());
+            assert_eq!((found, &first), (expected.len(), &expected), "{}: {ray:?}", accelerator.kind().name());
         }
     }
 }
@@ -90,9 +90,9 @@ fn first_hits_are_the_beginning_of_all_hits() {
 fn something_that_fills_space_does_not_report_forever() {
     let boxes = [Aabb::new(DVec3::ZERO, DVec3::ONE)];
     let ray = Ray::new(DVec3::splat(0.5), DVec3::X);
-    for structure in &Structures::build(&Boxes(&boxes)).0 {
+    for accelerator in &Accelerators::build(&Boxes(&boxes)).0 {
         let mut hits = Vec::new();
-        structure.all_hits(&Boxes(&boxes), &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+        accelerator.all_hits(&Boxes(&boxes), &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
         assert!((1..20).contains(&hits.len()), "{hits:?}");
     }
 }
@@ -118,17 +118,17 @@ fn hits_without_a_number_are_misses() {
     }
 
     let ray = Ray::new(DVec3::ZERO, DVec3::X);
-    let all = Structures::build(&Planes);
+    let all = Accelerators::build(&Planes);
     assert_eq!(all.closest(&Planes, &ray, Interval::FORWARD).map(|hit| hit.t), Some(1.5));
-    for structure in &all.0 {
-        let name = structure.kind().name();
+    for accelerator in &all.0 {
+        let name = accelerator.kind().name();
         let mut hits = Vec::new();
-        structure.all_hits(&Planes, &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+        accelerator.all_hits(&Planes, &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
         assert_eq!(hits.iter().map(key).collect::<Vec<_>>(), [(1.5f64.to_bits(), 0, 2)], "{name}");
         let mut first = [None; 4];
-        assert_eq!(structure.first_hits(&Planes, &ray, Interval::FORWARD, &mut first, &mut NoProbe), 1, "{name}");
+        assert_eq!(accelerator.first_hits(&Planes, &ray, Interval::FORWARD, &mut first, &mut NoProbe), 1, "{name}");
         let mut closest = [None; 9];
-        structure.closest_batch(&Planes, &[(ray, Interval::FORWARD); 9], &mut closest, &mut NoProbe);
+        accelerator.closest_batch(&Planes, &[(ray, Interval::FORWARD); 9], &mut closest, &mut NoProbe);
         assert!(closest.iter().all(|hit| hit.is_some_and(|hit| hit.t == 1.5)), "{name}");
     }
 }
@@ -137,17 +137,17 @@ fn hits_without_a_number_are_misses() {
 #[test]
 fn candidates_for_a_callback_contain_the_closest_hit() {
     let soup = scene(5);
-    for (structure, Query { ray, span }) in queries(&soup, 2000, 6)
+    for (accelerator, Query { ray, span }) in queries(&soup, 2000, 6)
         .into_iter()
         .flat_map(|query| AcceleratorKind::ALL.iter().map(move |&kind| (kind, query)))
         .map({
-            let all = Structures::build(&soup);
+            let all = Accelerators::build(&soup);
             move |(kind, query)| (all.0.iter().find(|s| s.kind() == kind).unwrap().clone(), query)
         })
     {
-        let expected = structure.closest(&soup, &ray, span, &mut NoProbe);
+        let expected = accelerator.closest(&soup, &ray, span, &mut NoProbe);
         let mut best: Option<Hit> = None;
-        structure.visit_candidates(
+        accelerator.visit_candidates(
             &soup,
             &ray,
             span,
@@ -163,14 +163,14 @@ fn candidates_for_a_callback_contain_the_closest_hit() {
             },
             &mut NoProbe,
         );
-        assert_eq!(best.as_ref().map(key), expected.as_ref().map(key), "{}: {ray:?}", structure.kind().name());
+        assert_eq!(best.as_ref().map(key), expected.as_ref().map(key), "{}: {ray:?}", accelerator.kind().name());
     }
 }
 
-fn overlapping(structure: &AnyAccelerator, soup: &Soup, region: &impl Region) -> BTreeSet<u32> {
+fn overlapping(accelerator: &AnyAccelerator, soup: &Soup, region: &impl Region) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
-    structure.visit_overlapping(soup, region, |index| {
-        assert!(found.insert(index), "{}: {index} is visited twice", structure.kind().name());
+    accelerator.visit_overlapping(soup, region, |index| {
+        assert!(found.insert(index), "{}: {index} is visited twice", accelerator.kind().name());
         ControlFlow::Continue(())
     });
     found
@@ -189,7 +189,7 @@ fn frustum(draw: &mut Draw) -> Frustum {
 #[test]
 fn overlaps_are_found_once_each() {
     let soup = scene(7);
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let mut draw = Draw::new(8);
     let mut n_found = 0;
     for _ in 0..1500 {
@@ -212,13 +212,13 @@ fn overlaps_are_found_once_each() {
             expect(&|bounds| frustum.overlaps(bounds)),
         ];
         n_found += expected.iter().map(BTreeSet::len).sum::<usize>();
-        for structure in &all.0 {
+        for accelerator in &all.0 {
             let found = [
-                overlapping(structure, &soup, &aabb),
-                overlapping(structure, &soup, &sphere),
-                overlapping(structure, &soup, &frustum),
+                overlapping(accelerator, &soup, &aabb),
+                overlapping(accelerator, &soup, &sphere),
+                overlapping(accelerator, &soup, &frustum),
             ];
-            assert_eq!(found, expected, "{}: {aabb:?} {sphere:?} {frustum:?}", structure.kind().name());
+            assert_eq!(found, expected, "{}: {aabb:?} {sphere:?} {frustum:?}", accelerator.kind().name());
         }
     }
     assert!(n_found > 100_000, "{n_found}");
@@ -258,21 +258,21 @@ fn pairs_are_found_once_each_in_order() {
     let expected: Vec<_> =
         (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).filter(|&(i, j)| overlaps(i, j)).collect();
     assert!(expected.len() > 500);
-    for structure in &Structures::build(&soup).0 {
+    for accelerator in &Accelerators::build(&soup).0 {
         let mut pairs = Vec::new();
-        structure.visit_overlapping_pairs(&soup, |i, j| {
+        accelerator.visit_overlapping_pairs(&soup, |i, j| {
             pairs.push((i, j));
             ControlFlow::Continue(())
         });
         assert!(pairs.is_sorted_by_key(|&(i, _)| i));
         pairs.sort_unstable();
-        assert_eq!(pairs, expected, "{}", structure.kind().name());
+        assert_eq!(pairs, expected, "{}", accelerator.kind().name());
         let mut n_visited = 0;
-        structure.visit_overlapping_pairs(&soup, |_, _| {
+        accelerator.visit_overlapping_pairs(&soup, |_, _| {
             n_visited += 1;
             if n_visited == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        assert_eq!(n_visited, 3, "{} goes on after a break", structure.kind().name());
+        assert_eq!(n_visited, 3, "{} goes on after a break", accelerator.kind().name());
     }
 }
 
@@ -280,7 +280,7 @@ fn pairs_are_found_once_each_in_order() {
 fn nearest_points_are_those_of_exhaustive_search() {
     for offset in [0.0, 1e7] {
         let soup = scene(11).moved(DVec3::splat(offset));
-        let all = Structures::build(&soup);
+        let all = Accelerators::build(&soup);
         let mut draw = Draw::new(12);
         let mut n_found = 0;
         for _ in 0..3000 {
@@ -297,9 +297,9 @@ fn nearest_points_are_those_of_exhaustive_search() {
                 None => assert!(!(smallest < radius * (1.0 - 1e-12)), "{smallest} within {radius}"),
             }
             n_found += usize::from(expected.is_some());
-            for structure in &all.0 {
-                let found = structure.nearest_point(&soup, point, radius);
-                assert_eq!(found, expected, "{}: {point} within {radius}", structure.kind().name());
+            for accelerator in &all.0 {
+                let found = accelerator.nearest_point(&soup, point, radius);
+                assert_eq!(found, expected, "{}: {point} within {radius}", accelerator.kind().name());
             }
         }
         assert!(n_found > 1000, "{n_found}");
@@ -331,12 +331,12 @@ fn nearest_points_without_a_number_are_passed_over() {
     }
 
     let spheres = Centres([DVec3::ZERO, DVec3::X * 5.0]);
-    for structure in &Structures::build(&spheres).0 {
-        let name = structure.kind().name();
-        let found = structure.nearest_point(&spheres, DVec3::ZERO, f64::INFINITY);
+    for accelerator in &Accelerators::build(&spheres).0 {
+        let name = accelerator.kind().name();
+        let found = accelerator.nearest_point(&spheres, DVec3::ZERO, f64::INFINITY);
         assert_eq!(found.map(|hit| (hit.primitive, hit.distance)), Some((1, 4.0)), "{name}");
         for point in [DVec3::NAN, DVec3::X * f64::INFINITY] {
-            assert_eq!(structure.nearest_point(&spheres, point, f64::INFINITY), None, "{name}");
+            assert_eq!(accelerator.nearest_point(&spheres, point, f64::INFINITY), None, "{name}");
         }
     }
 }
@@ -349,11 +349,11 @@ fn boxes_next_to_a_sphere_overlap_it_in_every_accelerator() {
     let boxes = (1..16).map(|k| Solid::Ghost(Aabb::new(DVec3::new(-1e-9, -5e-10, -5e-10), beyond(k))));
     let soup = Soup(boxes.collect());
     let region = SphereRegion { centre: DVec3::X, radius: 1.0 };
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let expected = overlapping(&all.0[0], &soup, &region);
     assert!(!expected.is_empty() && expected.len() < soup.len(), "{expected:?}");
-    for structure in &all.0 {
-        assert_eq!(overlapping(structure, &soup, &region), expected, "{}", structure.kind().name());
+    for accelerator in &all.0 {
+        assert_eq!(overlapping(accelerator, &soup, &region), expected, "{}", accelerator.kind().name());
     }
 }
 
@@ -384,21 +384,21 @@ fn a_box_that_touches_a_sphere_overlaps_it() {
 #[test]
 fn a_point_exactly_at_the_maximum_distance_is_found() {
     let unit = Soup(vec![Solid::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y])]);
-    for structure in &Structures::build(&unit).0 {
-        let name = structure.kind().name();
+    for accelerator in &Accelerators::build(&unit).0 {
+        let name = accelerator.kind().name();
         let radius = 3f64.sqrt();
-        let found = structure.nearest_point(&unit, DVec3::NEG_ONE, radius);
+        let found = accelerator.nearest_point(&unit, DVec3::NEG_ONE, radius);
         assert_eq!(found.map(|hit| (hit.distance, hit.point)), Some((radius, DVec3::ZERO)), "{name}");
-        assert_eq!(structure.nearest_point(&unit, DVec3::NEG_ONE, radius.next_down()), None, "{name}");
+        assert_eq!(accelerator.nearest_point(&unit, DVec3::NEG_ONE, radius.next_down()), None, "{name}");
         let mut draw = Draw::new(14);
         for _ in 0..1000 {
             let point = draw.point() * draw.pick(&[1e-160, 1e-9, 1.0, 1e60]) - DVec3::Z * 1e-300;
-            let Some(distance) = structure.nearest_point(&unit, point, f64::INFINITY).map(|hit| hit.distance) else {
+            let Some(distance) = accelerator.nearest_point(&unit, point, f64::INFINITY).map(|hit| hit.distance) else {
                 panic!("{name}: no point near {point}")
             };
-            let found = structure.nearest_point(&unit, point, distance).map(|hit| hit.distance);
+            let found = accelerator.nearest_point(&unit, point, distance).map(|hit| hit.distance);
             assert_eq!(found, Some(distance), "{name}: {point}");
-            let nearer = structure.nearest_point(&unit, point, distance.next_down());
+            let nearer = accelerator.nearest_point(&unit, point, distance.next_down());
             assert!(distance == 0.0 || nearer.is_none(), "{name}: {point}");
         }
     }
@@ -427,8 +427,8 @@ fn queries_look_at_a_small_part_only() {
     }
     let soup = Soup::spheres(20_000, &mut Draw::new(13));
     let counting = Counting(&soup, Default::default());
-    for structure in &Structures::build(&counting).0 {
-        if structure.kind() == AcceleratorKind::Linear {
+    for accelerator in &Accelerators::build(&counting).0 {
+        if accelerator.kind() == AcceleratorKind::Linear {
             continue;
         }
         let looked_at = |query: &dyn Fn()| {
@@ -437,10 +437,10 @@ fn queries_look_at_a_small_part_only() {
             counting.1.load(std::sync::atomic::Ordering::Relaxed)
         };
         let nearest =
-            looked_at(&|| assert!(structure.nearest_point(&counting, DVec3::splat(0.1), f64::INFINITY).is_some()));
+            looked_at(&|| assert!(accelerator.nearest_point(&counting, DVec3::splat(0.1), f64::INFINITY).is_some()));
         let sphere = SphereRegion { centre: DVec3::splat(0.2), radius: 0.03 };
-        let overlaps = looked_at(&|| structure.visit_overlapping(&counting, &sphere, |_| ControlFlow::Continue(())));
-        let name = structure.kind().name();
+        let overlaps = looked_at(&|| accelerator.visit_overlapping(&counting, &sphere, |_| ControlFlow::Continue(())));
+        let name = accelerator.kind().name();
         assert!(nearest < 400 && overlaps < 800, "{name}: {nearest} for the nearest, {overlaps} for a ball");
     }
 }

@@ -23,16 +23,16 @@ fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, build: imp
     assert_eq!(still.validate(&start), Ok(()));
     for (by, offset) in [(0.1, DVec3::ZERO), (1.0, DVec3::ZERO), (0.3, DVec3::splat(1e6)), (0.0, DVec3::NEG_X * 1e3)] {
         let moved = shaken(&start, by, offset, 2);
-        let mut structure = built.clone();
-        structure.refit(&moved).unwrap();
-        assert_eq!(structure.validate(&moved), Ok(()), "{name}");
+        let mut accelerator = built.clone();
+        accelerator.refit(&moved).unwrap();
+        assert_eq!(accelerator.validate(&moved), Ok(()), "{name}");
         let world = Aabb::new(offset - 1.5, offset + 1.5);
         let mut draw = Draw::new(3);
         let mut counters = Counters::default();
         for _ in 0..3000 {
             let Query { ray, span } = adversarial(&moved, &world, &mut draw);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.primitive));
-            let found = key(structure.closest(&moved, &ray, span, &mut counters));
+            let found = key(accelerator.closest(&moved, &ray, span, &mut counters));
             assert_eq!(found, key(brute_force::closest(&moved, &ray, span, &mut NoProbe)), "{name}: {ray:?}");
         }
         let tested = counters.total().tests as f64 / (3000 * moved.len()) as f64;
@@ -43,16 +43,16 @@ fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, build: imp
 
 /// Rejected refits leave the accelerator unchanged.
 fn refusals<R: Refit + Clone + PartialEq + core::fmt::Debug>(name: &str, built: &R, start: &Soup) {
-    let mut structure = built.clone();
+    let mut accelerator = built.clone();
     let mut fewer = start.clone();
     fewer.0.pop();
-    assert!(matches!(structure.refit(&fewer), Err(BuildError::Changed(_))), "{name}");
+    assert!(matches!(accelerator.refit(&fewer), Err(BuildError::Changed(_))), "{name}");
     let mut broken = start.clone();
     broken.0[7] = Solid::Box(Aabb::new(DVec3::NAN, DVec3::ONE));
-    assert!(matches!(structure.refit(&broken), Err(BuildError::BadBounds { index: 7, .. })), "{name}");
-    assert_eq!(structure, *built, "{name}");
+    assert!(matches!(accelerator.refit(&broken), Err(BuildError::BadBounds { index: 7, .. })), "{name}");
+    assert_eq!(accelerator, *built, "{name}");
     let nothing = Soup::default();
-    assert!(structure.refit(&nothing).is_err(), "{name}");
+    assert!(accelerator.refit(&nothing).is_err(), "{name}");
 }
 
 #[test]
@@ -101,11 +101,11 @@ fn trees_of_other_volumes_and_of_intervals_follow() {
 #[test]
 fn what_has_not_moved_is_fitted_to_the_same_bits() {
     fn check<R: Refit + Clone + PartialEq + core::fmt::Debug>(built: R, soup: &Soup) {
-        let mut structure = built.clone();
-        assert_eq!(structure.refit(soup), Ok(()));
-        assert_eq!(structure, built);
-        structure.refit(&soup.clone().moved(DVec3::X)).unwrap();
-        assert_ne!(structure, built);
+        let mut accelerator = built.clone();
+        assert_eq!(accelerator.refit(soup), Ok(()));
+        assert_eq!(accelerator, built);
+        accelerator.refit(&soup.clone().moved(DVec3::X)).unwrap();
+        assert_ne!(accelerator, built);
     }
     let soup = Soup::mixed(&mut Draw::new(5));
     check(SphereTree::build(&soup).unwrap(), &soup);

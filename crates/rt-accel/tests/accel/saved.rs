@@ -32,10 +32,10 @@ fn mutations(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-fn check<S: Accelerator + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: &S, soup: &Soup) {
-    let text = serde_json::to_string(structure).unwrap();
+fn check<S: Accelerator + Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(accelerator: &S, soup: &Soup) {
+    let text = serde_json::to_string(accelerator).unwrap();
     let loaded: S = serde_json::from_str(&text).unwrap();
-    assert_eq!(&loaded, structure);
+    assert_eq!(&loaded, accelerator);
     assert_eq!(loaded.validate(soup), Ok(()));
     let (mut n_refused, mut n_harmless) = (0, 0);
     for changed in mutations(&text) {
@@ -61,7 +61,7 @@ fn check<S: Accelerator + Serialize + DeserializeOwned + PartialEq + core::fmt::
 }
 
 #[test]
-fn every_structure_can_be_saved() {
+fn every_accelerator_can_be_saved() {
     for &kind in AcceleratorKind::ALL {
         check(&AnyAccelerator::build(kind, &scene()).unwrap(), &scene());
     }
@@ -108,10 +108,10 @@ fn a_tree_is_saved_as_far_as_it_has_been_split() {
 
 #[test]
 fn trees_of_nothing_and_of_extreme_numbers_can_be_saved() {
-    fn check<S: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(structure: Result<S, BuildError>) {
-        let structure = structure.unwrap();
-        let text = serde_json::to_string(&structure).unwrap();
-        assert_eq!(serde_json::from_str::<S>(&text).unwrap(), structure);
+    fn check<S: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(accelerator: Result<S, BuildError>) {
+        let accelerator = accelerator.unwrap();
+        let text = serde_json::to_string(&accelerator).unwrap();
+        assert_eq!(serde_json::from_str::<S>(&text).unwrap(), accelerator);
     }
     let huge = Aabb::new(DVec3::splat(-1e300), DVec3::splat(1e300));
     for soup in [Soup(vec![]), Soup(vec![Solid::Ghost(huge); 20])] {

@@ -41,9 +41,9 @@ fn check_memory(scene: &Scene, budget: Option<u64>) -> Result<(), MemoryError> {
     let held = MemoryPrediction { film: lists, ..geometry };
     match budget {
         Some(budget) if held.peak() > budget => {
-            let MemoryPrediction { textures, geometry, structures, .. } = held;
+            let MemoryPrediction { textures, geometry, accelerators, .. } = held;
             let lists = (lists, "the lists of objects, faces and edges of the check");
-            let parts = [(textures, "textures"), (geometry, "geometry"), (structures, "accelerators"), lists];
+            let parts = [(textures, "textures"), (geometry, "geometry"), (accelerators, "accelerators"), lists];
             let (most, largest) = parts.into_iter().max().unwrap_or(lists);
             Err(MemoryError { predicted: held.peak(), budget, largest: largest.to_owned(), most })
         }

@@ -160,7 +160,7 @@ fn results_are_reproducible_except_times() {
     };
     let one = errors("--threads 1");
     assert_eq!(one, errors("--threads 3"));
-    assert_eq!(one[0], one[1], "any structure gives the same image");
+    assert_eq!(one[0], one[1], "any accelerator gives the same image");
     assert_ne!(one, errors("--seed 9"));
 }
 

@@ -59,7 +59,7 @@ fn accel_bytes(accel_options: AccelOptions, primitives: u64) -> [u64; 2] {
 #[derive(Debug, Default)]
 pub(crate) struct Survey {
     pub(crate) geometry: u64,
-    pub(crate) structures: u64,
+    pub(crate) accelerators: u64,
     /// Temporary bytes of the largest accelerator.
     pub(crate) building: u64,
 }
@@ -116,7 +116,7 @@ impl Survey {
         surveyor.aggregate(top, "the scene");
         if culls {
             let [finished, _] = accel_bytes(accel_options, top.count / 2);
-            surveyor.survey.structures = surveyor.survey.structures.saturating_add(finished);
+            surveyor.survey.accelerators = surveyor.survey.accelerators.saturating_add(finished);
         }
         Ok(surveyor.survey)
     }
@@ -153,7 +153,7 @@ impl<'s> Surveyor<'s, '_> {
     fn add_accel(&mut self, primitives: u64, what: impl FnOnce() -> String) {
         let [finished, temporary] = accel_bytes(self.accel_options, primitives);
         self.largest.update(finished.saturating_add(temporary), what);
-        self.survey.structures = self.survey.structures.saturating_add(finished);
+        self.survey.accelerators = self.survey.accelerators.saturating_add(finished);
         self.survey.building = self.survey.building.max(temporary);
     }
 

@@ -111,7 +111,7 @@ impl SurfacePatch {
         self.corners.iter().all(|corner| corner.normal.dot(light.kind.offset_from(corner.point)) <= 0.0)
     }
 
-    /// True if an unblocked light of full strength changes so little over the patch that a few samples show it.
+    /// True if an unoccluded light of full strength changes so little over the patch that a few samples show it.
     pub(super) fn is_even_under(&self, light: &DeltaLight, phong: &Phong) -> bool {
         let turn_of_light = match (light.kind.position(), light.kind.cone()) {
             (None, _) => Some(0.0),

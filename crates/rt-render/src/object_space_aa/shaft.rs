@@ -11,6 +11,7 @@
 use core::ops::ControlFlow;
 
 use rt_accel::{Accelerator as _, AnyAccelerator, Region};
+use rt_geometry::Primitives as _;
 use rt_math::{Aabb, DVec3, Interval, Ray, SlabRay};
 use rt_shading::DeltaLight;
 
@@ -32,11 +33,11 @@ pub(super) struct LightShaft {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Occlusion {
-    /// No segment is blocked.
+    /// No segment is occluded.
     Nowhere,
-    /// Some segments may be blocked.
+    /// Some segments may be occluded.
     Somewhere,
-    /// All segments are blocked.
+    /// All segments are occluded.
     Everywhere,
 }
 
@@ -49,41 +50,41 @@ impl LightShaft {
 
     /// Occlusion by all primitives except that of the patch, which is convex and does not occlude itself. Objects whose material
     /// `attenuates` light count as if they occluded a part.
-    pub(super) fn blocked(
+    pub(super) fn occluded(
         &self,
         world: &Instances<'_>,
-        structure: &AnyAccelerator,
+        accelerator: &AnyAccelerator,
         (excluded, attenuates): (u32, &impl Fn(u32) -> bool),
     ) -> Occlusion {
-        let mut blocked = Occlusion::Nowhere;
-        structure.visit_overlapping(world, self, |index| {
+        let mut occluded = Occlusion::Nowhere;
+        accelerator.visit_overlapping(world, self, |index| {
             if attenuates(world.instances[index as usize].material) {
-                blocked = Occlusion::Somewhere;
+                occluded = Occlusion::Somewhere;
             } else if index != excluded && world.casts_shadow(index) {
-                match self.blocked_by(&world.form(index)) {
+                match self.occluded_by(&world.form(index)) {
                     Occlusion::Nowhere => {}
-                    Occlusion::Somewhere => blocked = Occlusion::Somewhere,
+                    Occlusion::Somewhere => occluded = Occlusion::Somewhere,
                     Occlusion::Everywhere => {
-                        blocked = Occlusion::Everywhere;
+                        occluded = Occlusion::Everywhere;
                         return ControlFlow::Break(());
                     }
                 }
             }
             ControlFlow::Continue(())
         });
-        blocked
+        occluded
     }
 
     /// Occlusion by a primitive whose bounds overlap the shaft.
-    fn blocked_by(&self, form: &PrimitiveForm) -> Occlusion {
+    fn occluded_by(&self, form: &PrimitiveForm) -> Occlusion {
         match *form {
-            PrimitiveForm::Sphere { centre, radius } => self.blocked_by_sphere(centre, radius),
-            PrimitiveForm::Plane { point, normal } => self.blocked_by_plane(point, normal.normalize_or_zero()),
+            PrimitiveForm::Sphere { centre, radius } => self.occluded_by_sphere(centre, radius),
+            PrimitiveForm::Plane { point, normal } => self.occluded_by_plane(point, normal.normalize_or_zero()),
             PrimitiveForm::Flat | PrimitiveForm::Faces | PrimitiveForm::Other => Occlusion::Somewhere,
         }
     }
 
-    fn blocked_by_sphere(&self, centre: DVec3, radius: f64) -> Occlusion {
+    fn occluded_by_sphere(&self, centre: DVec3, radius: f64) -> Occlusion {
         let from_light = self.position.map_or(f64::INFINITY, |position| (centre - position).length());
         if from_light + radius <= self.shadow_near {
             return Occlusion::Nowhere;
@@ -103,7 +104,7 @@ impl LightShaft {
         }
     }
 
-    fn blocked_by_plane(&self, point: DVec3, normal: DVec3) -> Occlusion {
+    fn occluded_by_plane(&self, point: DVec3, normal: DVec3) -> Occlusion {
         let height = normal.dot(self.line.origin - point);
         // Height of a positional light, or slope towards a directional one.
         let end = self.position.map_or(normal.dot(self.line.direction), |position| normal.dot(position - point));

@@ -14,7 +14,7 @@ use crate::support::{self, camera, compile, cuboid, everything, film, node, plan
 
 const IOR: f64 = 1.5;
 
-fn body(roughness: f64, absorption: Rgb) -> Material {
+fn dielectric(roughness: f64, absorption: Rgb) -> Material {
     let transmittance = ColorTexture::Constant(Rgb::WHITE);
     let interior = Some(InteriorMedium { absorption, ..InteriorMedium::clear(IOR) });
     Material { interior, ..Material::new("glass".into(), MaterialModel::Dielectric { roughness, transmittance }) }
@@ -100,7 +100,7 @@ fn a_glass_slab_transmits_light_by_snell_and_fresnel() {
     let slab = cuboid([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
     let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let nodes = nodes(&[(floor(), 0), (slab, 1)]);
-    let mut scene = scene(camera, vec![diffuse(0.6), body(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
+    let mut scene = scene(camera, vec![diffuse(0.6), dielectric(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
     // Exclude interreflection within the glass, which arrives elsewhere.
     scene.settings.depth = 2;
     let radiance = |s: f64| {
@@ -192,10 +192,10 @@ pub(crate) fn comparable() -> Scene {
     ]);
     let materials = vec![
         diffuse(0.7),
-        body(0.0, Rgb::BLACK),
-        body(0.4, Rgb::new(0.2, 0.5, 1.0)),
+        dielectric(0.0, Rgb::BLACK),
+        dielectric(0.4, Rgb::new(0.2, 0.5, 1.0)),
         surface(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness: 0.0 }),
-        body(0.0, Rgb::new(1.5, 0.3, 0.1)),
+        dielectric(0.0, Rgb::new(1.5, 0.3, 0.1)),
         emissive(4.0, EmissionSides::Front),
         emissive(3.0, EmissionSides::Both),
         surface(coat),

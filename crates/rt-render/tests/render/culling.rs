@@ -114,11 +114,11 @@ fn culling_saves_work_of_camera_rays_only() {
 }
 
 #[test]
-fn a_second_structure_is_built_only_if_it_pays() {
+fn a_second_accelerator_is_built_only_if_it_pays() {
     assert_eq!(culled(&spheres(), &PlanOptions::default()), None, "all in the view");
     let mut scene = surrounded();
     scene.settings.integrator = Integrator::Cost;
-    assert_eq!(culled(&scene, &PlanOptions::default()), None, "the cost of the structure itself is shown");
+    assert_eq!(culled(&scene, &PlanOptions::default()), None, "the cost of the accelerator itself is shown");
     scene.settings.integrator = Integrator::Whitted;
     for accel in Accel::ALL {
         scene.settings.accel = accel;
@@ -129,14 +129,14 @@ fn a_second_structure_is_built_only_if_it_pays() {
 }
 
 #[test]
-fn predicted_memory_includes_the_second_structure() {
+fn predicted_memory_includes_the_second_accelerator() {
     let scene = surrounded();
-    let structures = |integrator| {
+    let accelerators = |integrator| {
         let mut scene = scene.clone();
         scene.settings.integrator = integrator;
-        compile(&scene).memory().structures
+        compile(&scene).memory().accelerators
     };
-    let (with, without) = (structures(Integrator::Normals), structures(Integrator::Cost));
+    let (with, without) = (accelerators(Integrator::Normals), accelerators(Integrator::Cost));
     assert!(without < with && with <= without + without / 2, "{with} after {without}");
 }
 

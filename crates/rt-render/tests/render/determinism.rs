@@ -57,9 +57,9 @@ fn scenes() -> [Scene; 10] {
 
 /// Each scene and each integrator meets all accelerators and all patterns, but not in all combinations.
 #[test]
-fn threads_structures_counters_and_plans_do_not_change_the_image() {
+fn threads_accelerators_counters_and_plans_do_not_change_the_image() {
     for (row, mut scene) in scenes().into_iter().enumerate() {
-        // The cost of structures is not that of other structures.
+        // The cost of accelerators is not that of other accelerators.
         let integrators = Integrator::ALL.into_iter().filter(|&integrator| integrator != Integrator::Cost);
         for (column, integrator) in integrators.enumerate() {
             let pattern = SamplerKind::ALL[(row + column) % SamplerKind::ALL.len()];

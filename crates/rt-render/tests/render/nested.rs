@@ -31,8 +31,11 @@ pub(crate) fn drink() -> Scene {
     scene.name = "drink".into();
     scene.settings.depth = 12;
     let first = scene.appearance.materials.len() as u32;
-    let bodies = [(1.5, 0.2, 0), (1.33, 0.4, 1), (1.31, 0.0, 2), (1.0, 0.0, 3)];
-    scene.appearance.materials.extend(bodies.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
+    let dielectrics = [(1.5, 0.2, 0), (1.33, 0.4, 1), (1.31, 0.0, 2), (1.0, 0.0, 3)];
+    scene
+        .appearance
+        .materials
+        .extend(dielectrics.map(|(ior, absorption, priority)| dielectric(ior, absorption, priority)));
     scene.nodes.extend([
         node(cuboid([-1.5, -1.5, 1.8], [1.5, 1.5, 4.0]), first),
         node(cuboid([-1.2, -1.2, 2.0], [1.2, 0.8, 3.8]), first + 1),
@@ -72,7 +75,7 @@ fn nested_dielectrics_of_equal_ior_and_absorption_act_as_one() {
         node(cuboid([-1.0, -0.5, 2.4], [1.5, 0.9, 3.1]), same),
     ]);
     let several = render(&scene, PlanOptions::default(), RunOptions::default());
-    assert!(several.statistics.shading.passages > 1000);
+    assert!(several.statistics.shading.null_interfaces > 1000);
     assert_same(&one, &several.film, &scene.name);
 }
 
@@ -152,7 +155,7 @@ fn explanations_say_what_nests() {
     };
     let mut scene = drink();
     let explained = used(&scene);
-    assert!(render(&scene, PlanOptions::default(), RunOptions::default()).statistics.shading.passages > 0);
+    assert!(render(&scene, PlanOptions::default(), RunOptions::default()).statistics.shading.null_interfaces > 0);
     assert!(explained.contains("priorities 0 to 3; the camera is outside of all"), "{explained}");
     scene.cameras[0].medium = Some(MaterialId(1));
     assert!(used(&scene).contains("the camera is inside of a dielectric"));

@@ -80,7 +80,7 @@ fn in_a_scene_far_from_the_origin_as_well() {
 }
 
 #[test]
-fn structures_are_not_built_again() {
+fn accelerators_are_not_built_again() {
     let mut scene = spheres();
     scene.settings.accel = Accel::BihLazy;
     let mut plan = compile(&scene);

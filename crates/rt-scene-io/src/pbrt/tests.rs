@@ -118,7 +118,7 @@ fn known_values_of_a_scene() {
     assert_eq!((all[2].0.point(DVec3::ZERO), all[3].0.point(DVec3::ZERO)), (DVec3::Y * 3.0, DVec3::ZERO));
     // α = √(1/16) is ours of 1/2.
     let MaterialModel::Dielectric { roughness, .. } = of(4).model else { panic!("glass") };
-    assert_eq!((roughness, of(4).interior.expect("a body").ior), (0.5, 1.25));
+    assert_eq!((roughness, of(4).interior.expect("a dielectric").ior), (0.5, 1.25));
 }
 
 #[test]

@@ -85,8 +85,8 @@ impl Dielectric {
     }
 
     fn facets(&self) -> Option<Ggx> {
-        let bends = (self.ior - 1.0).abs().min(1.0);
-        Ggx::from_roughness(self.roughness).filter(|facets| facets.alpha() * bends >= Ggx::MIN_ALPHA)
+        let ior_difference = (self.ior - 1.0).abs().min(1.0);
+        Ggx::from_roughness(self.roughness).filter(|facets| facets.alpha() * ior_difference >= Ggx::MIN_ALPHA)
     }
 
     fn interface(&self, wo: DVec3) -> Option<Interface> {

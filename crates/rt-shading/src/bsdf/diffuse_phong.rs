@@ -39,11 +39,11 @@ impl DiffusePhong {
         Self { diffuse, highlight: None }
     }
 
-    /// True if all parameters are in the usual range of `f32`, and the highlight is wide enough for directions in it.
-    pub(crate) fn is_usual(&self) -> bool {
-        let is_usual =
+    /// True if all reflectances are in range ([`is_in_range`]), and the highlight is wide enough for directions in `f32`.
+    pub(crate) fn fits_f32(&self) -> bool {
+        let highlight_fits_f32 =
             |phong: WeightedPhong| is_in_range(phong.lobe.reflectance) && phong.lobe.clamped_exponent() <= MAX_EXPONENT;
-        is_in_range(self.diffuse.albedo) && self.highlight.is_none_or(is_usual)
+        is_in_range(self.diffuse.albedo) && self.highlight.is_none_or(highlight_fits_f32)
     }
 
     /// The lobes of a mix, if it has these alone, in this order, and samples both.
@@ -96,8 +96,8 @@ impl MirrorMix {
         let lobes = DiffusePhong { diffuse, highlight: Some(WeightedPhong { lobe, weights, probabilities }) };
         let reflectance = mirror.reflectance * mirror_weight;
         let is_sampled = probability > 0.0 && of_others.iter().all(|&probability| probability > 0.0);
-        let is_usual = lobes.is_usual() && is_in_range(reflectance);
-        (is_sampled && is_usual).then_some(Self { lobes, reflectance, probability })
+        let fits_f32 = lobes.fits_f32() && is_in_range(reflectance);
+        (is_sampled && fits_f32).then_some(Self { lobes, reflectance, probability })
     }
 }
 

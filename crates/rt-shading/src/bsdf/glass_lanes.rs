@@ -14,7 +14,7 @@ use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
 
 /// Least difference of the index of a rough interface from 1. Below it, the sum of two directions that gives the normal of a facet
 /// multiplies their rounding errors in `f32`.
-const MIN_BEND: f64 = 0.1;
+const MIN_IOR_DIFFERENCE: f64 = 0.1;
 
 /// Surface of a solid dielectric, smooth or rough, that reflects without colour.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +28,9 @@ impl GlassSurface {
     /// The surface, if it can be shaded in lanes in air, with this index of refraction behind it.
     pub(crate) fn new(transmittance: Rgb, roughness: f64, ior: f64) -> Option<Self> {
         let facets = Ggx::from_roughness(roughness);
-        let is_rough_enough = roughness >= MIN_LANE_ROUGHNESS && (ior - 1.0).abs() >= MIN_BEND;
-        let is_usual = IOR_RANGE.contains(&ior) && ior != 1.0 && is_in_range(transmittance);
-        (is_usual && (facets.is_none() || is_rough_enough)).then_some(Self { transmittance, facets })
+        let is_rough_enough = roughness >= MIN_LANE_ROUGHNESS && (ior - 1.0).abs() >= MIN_IOR_DIFFERENCE;
+        let fits_lanes = IOR_RANGE.contains(&ior) && ior != 1.0 && is_in_range(transmittance);
+        (fits_lanes && (facets.is_none() || is_rough_enough)).then_some(Self { transmittance, facets })
     }
 
     pub(crate) const fn is_smooth(&self) -> bool {
@@ -172,8 +172,8 @@ impl<L: LaneSet> GlassLanes<L> {
                 let m = self.facets.sample(wo, *u);
                 let is_transmitted = !u_lobe.lt(self.fresnel(wo.dot(m)).1);
                 let sin = wo.cross(m).length();
-                let (bent, is_possible) = optics::refract_lanes(-wo, m, eta.recip(), sin);
-                let wi = Vector3::select(is_transmitted, bent, optics::reflect_lanes(-wo, m));
+                let (refracted, is_possible) = optics::refract_lanes(-wo, m, eta.recip(), sin);
+                let wi = Vector3::select(is_transmitted, refracted, optics::reflect_lanes(-wo, m));
                 let (value, pdf) = self.value_with_pdf(wi, m, is_transmitted);
                 let sample = LaneSample {
                     wi,
@@ -196,17 +196,17 @@ impl<L: LaneSet> GlassLanes<L> {
         let one = lanes.splat_f64(1.0);
         let (is_null, inverse) = (eta.eq(one), eta.recip());
         let (reflected, chance) = self.fresnel(wo.z);
-        let passed = one - reflected;
+        let transmitted_part = one - reflected;
         let is_transmitted = !u.lt(chance);
         let mirrored = Vector3::new(-wo.x, -wo.y, wo.z);
         let sin = (wo.x * wo.x + wo.y * wo.y).sqrt();
-        let (bent, is_possible) = optics::refract_lanes(-wo, lanes.splat_point(DVec3::Z), inverse, sin);
-        let bent = Vector3::select(is_null, -wo, bent);
+        let (refracted, is_possible) = optics::refract_lanes(-wo, lanes.splat_point(DVec3::Z), inverse, sin);
+        let refracted = Vector3::select(is_null, -wo, refracted);
         let of_reflection = reflected / chance;
-        let of_transmission = transmittance * (passed / (eta * eta * (one - chance)));
+        let of_transmission = transmittance * (transmitted_part / (eta * eta * (one - chance)));
         let mirrored_weight = Vector3::new(of_reflection, of_reflection, of_reflection);
         let sample = LaneSample {
-            wi: Vector3::select(is_transmitted, bent, mirrored),
+            wi: Vector3::select(is_transmitted, refracted, mirrored),
             weight: Vector3::select(is_transmitted, of_transmission, mirrored_weight),
             pdf: one,
             valid: lanes.bits_f64(!is_transmitted | is_possible | is_null),

@@ -17,7 +17,7 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{DVec3, Mask, Real, Rgb, Vector3};
 
-/// Opaque, rough and isotropic [`Layered`] with usual parameters, and the albedos of its layers.
+/// Opaque, rough and isotropic [`Layered`] with parameters in range, and the albedos of its layers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LayeredParameters {
     diffuse: Rgb,
@@ -44,18 +44,18 @@ impl LayeredParameters {
         let &Layered { diffuse, f0, f90, dielectric_reflectance, roughness, sheen, clearcoat, .. } = surface;
         let [along, grazing] = dielectric_reflectance;
         let colors = [diffuse, f0, f90, Rgb::new(along, grazing, clearcoat)];
-        let is_usual_sheen = |sheen: &Sheen| is_in_range(sheen.color) && !sheen.roughness.is_nan();
-        let is_usual = !surface.transmits()
+        let sheen_fits_lanes = |sheen: &Sheen| is_in_range(sheen.color) && !sheen.roughness.is_nan();
+        let base_fits_lanes = !surface.transmits()
             && (surface.anisotropy, surface.axis) == (0.0, [1.0, 0.0])
             && roughness >= MIN_LANE_ROUGHNESS
             && colors.into_iter().all(is_in_range)
-            && sheen.as_ref().is_none_or(is_usual_sheen);
-        if !is_usual {
+            && sheen.as_ref().is_none_or(sheen_fits_lanes);
+        if !base_fits_lanes {
             return None;
         }
         let coat_roughness = surface.clearcoat_roughness;
-        let is_usual_coat = Ggx::from_roughness(coat_roughness).is_none() || coat_roughness >= MIN_LANE_ROUGHNESS;
-        if clearcoat != 0.0 && !(is_usual_coat && surface.clearcoat_normal == DVec3::Z) {
+        let coat_fits_lanes = Ggx::from_roughness(coat_roughness).is_none() || coat_roughness >= MIN_LANE_ROUGHNESS;
+        if clearcoat != 0.0 && !(coat_fits_lanes && surface.clearcoat_normal == DVec3::Z) {
             return None;
         }
         let coat =

@@ -13,8 +13,8 @@ use crate::{
 use rt_math::{DVec3, Real, Vector3};
 
 impl Conductor {
-    /// True if it can be shaded in lanes: smooth, or rough enough, with a usual index of refraction.
-    pub(super) fn is_usual(&self) -> bool {
+    /// True if it can be shaded in lanes: smooth, or rough enough, with an index of refraction in range.
+    pub(super) fn fits_lanes(&self) -> bool {
         (self.is_smooth() || self.roughness >= MIN_LANE_ROUGHNESS) && is_in_range(self.ior.n) && is_in_range(self.ior.k)
     }
 }

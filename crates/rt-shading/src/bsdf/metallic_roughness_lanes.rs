@@ -16,7 +16,7 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{Mask, Real, Vector3};
 
-/// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and usual parameters, and the albedo of its layer.
+/// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and parameters in range, and the albedo of its layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughnessLayer {
     pub(crate) surface: MetallicRoughness,
@@ -27,8 +27,8 @@ impl MetallicRoughnessLayer {
     /// The surface, if it can be shaded in lanes.
     pub(super) fn new(surface: &MetallicRoughness) -> Option<Self> {
         let MetallicRoughness { base_color, coupling, roughness, .. } = *surface;
-        let is_usual = coupling == Coupling::Albedo && is_in_range(base_color) && roughness >= MIN_LANE_ROUGHNESS;
-        is_usual.then(|| Self { surface: *surface, albedo: LayerAlbedo::new(roughness) })
+        let fits_lanes = coupling == Coupling::Albedo && is_in_range(base_color) && roughness >= MIN_LANE_ROUGHNESS;
+        fits_lanes.then(|| Self { surface: *surface, albedo: LayerAlbedo::new(roughness) })
     }
 }
 

@@ -244,14 +244,16 @@ impl Bsdf {
     }
 
     /// The BSDF for lanes: of a rough metallic-roughness or layered surface, a metal, or a mirror. Or a diffuse lobe, a Phong lobe, and a
-    /// mirror in this order, of which some may be absent. Its parameters must be in the usual range of `f32`, and its highlight not too
-    /// narrow.
+    /// mirror in this order, of which some may be absent. Its parameters must fit `f32`, and its highlight must not be
+    /// too narrow.
     pub(crate) fn as_lane_surface(&self) -> Option<LaneSurface> {
         let lobes = match self {
             Self::Single(Bxdf::MetallicRoughness(surface)) => {
                 return MetallicRoughnessLayer::new(surface).map(LaneSurface::MetallicRoughness);
             }
-            Self::Single(Bxdf::Conductor(metal)) => return metal.is_usual().then_some(LaneSurface::Conductor(*metal)),
+            Self::Single(Bxdf::Conductor(metal)) => {
+                return metal.fits_lanes().then_some(LaneSurface::Conductor(*metal));
+            }
             Self::Single(Bxdf::Mirror(mirror)) => {
                 return is_in_range(mirror.reflectance).then_some(LaneSurface::Mirror(*mirror));
             }
@@ -262,7 +264,7 @@ impl Bsdf {
             },
             Self::Layered(layered) => return LayeredParameters::new(layered).map(LaneSurface::Layered),
         };
-        lobes.is_usual().then_some(LaneSurface::DiffusePhong(lobes))
+        lobes.fits_f32().then_some(LaneSurface::DiffusePhong(lobes))
     }
 
     /// True if [`Bsdf::sample`] uses its first number, which chooses a lobe.

@@ -1,11 +1,11 @@
 //! Properties of all models, tested on the same list of surfaces.
 
 mod agreement;
-mod bent_normals;
 mod chi_square;
 mod degenerate;
 mod furnace;
 mod laws;
+mod shading_normals;
 mod sphere;
 
 use super::*;

@@ -21,7 +21,7 @@ fn hit(object: u32, material: u32) -> SurfaceHit {
 
 /// Crosses a surface. Returns the indices of refraction on both sides, or `None` if it is ignored.
 fn cross(interior: &mut InteriorList, materials: &[Material], hit: &SurfaceHit, leaving: bool) -> Option<[f64; 2]> {
-    let interface = interior.interface(materials, hit.body(), leaving).expect("room in the list");
+    let interface = interior.interface(materials, hit.medium_entry(), leaving).expect("room in the list");
     interior.cross(&interface);
     assert_eq!(interior.medium(materials), interface.after);
     interface.is_boundary.then_some([interface.before.ior, interface.after.ior])
@@ -71,9 +71,9 @@ fn a_full_list_refuses_more() {
     for object in 0..CAPACITY as u32 {
         cross(&mut interior, &materials, &hit(object, 0), false);
     }
-    assert!(interior.interface(&materials, hit(99, 0).body(), false).is_none());
-    assert!(interior.interface(&materials, hit(99, 1).body(), true).is_none(), "nor can it be noted as around");
-    assert!(interior.interface(&materials, hit(99, 0).body(), true).is_some());
+    assert!(interior.interface(&materials, hit(99, 0).medium_entry(), false).is_none());
+    assert!(interior.interface(&materials, hit(99, 1).medium_entry(), true).is_none(), "nor can it be noted as around");
+    assert!(interior.interface(&materials, hit(99, 0).medium_entry(), true).is_some());
 }
 
 #[test]
@@ -81,8 +81,8 @@ fn lists_of_streams_are_read_as_they_were_added() {
     let materials = materials(&[0, 1]);
     let mut lists = InteriorLists::default();
     let mut interior = InteriorList::filled_with(0);
-    let entering = interior.interface(&materials, hit(4, 1).body(), false).expect("room");
-    let leaving = interior.interface(&materials, hit(7, 0).body(), true).expect("it is there");
+    let entering = interior.interface(&materials, hit(4, 1).medium_entry(), false).expect("room");
+    let leaving = interior.interface(&materials, hit(7, 0).medium_entry(), true).expect("it is there");
     let around = lists.push(&interior);
     let within = lists.push_behind(&interior, entering.event);
     let outside = lists.push_behind(&interior, leaving.event);
@@ -95,7 +95,7 @@ fn lists_of_streams_are_read_as_they_were_added() {
         lists.read(range, &mut interior);
         assert_eq!(interior.entries, expected);
     }
-    let noted = interior.interface(&materials, hit(8, 1).body(), true).expect("noted as around");
+    let noted = interior.interface(&materials, hit(8, 1).medium_entry(), true).expect("noted as around");
     let changed = lists.push_changed(&interior, around);
     lists.read(changed, &mut interior);
     assert_eq!(interior.entries, [MediumEntry { object: 8, material: 1 }, two[0]]);
@@ -107,8 +107,9 @@ fn lists_of_streams_are_read_as_they_were_added() {
 }
 
 #[test]
-fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
-    // From inside of 0 and 1, through a body 2 that is entered and left on the way, and an opaque one that is not there.
+fn looking_around_finds_the_dielectrics_of_the_origin_in_their_order() {
+    // From inside of 0 and 1, through a dielectric 2 that is entered and left on the way, and an opaque one that is not
+    // there.
     let surfaces = [(1, 1, true), (2, 2, false), (9, 77, false), (2, 2, true), (0, 0, true)];
     let mut way = HitFunction(|ray: &Ray, span: Interval| {
         let at = if span.min > 0.0 { span.min as usize } else { 0 };
@@ -127,19 +128,19 @@ fn looking_around_finds_the_bodies_of_the_origin_in_their_order() {
 }
 
 #[test]
-fn usual_interfaces_are_those_of_any_list() {
+fn inlined_interfaces_are_those_of_any_list() {
     let materials = materials(&[0, 5, 0]);
-    let bodies = [(0, 0), (1, 0), (2, 1), (3, 2)].map(|(object, material)| MediumEntry { object, material });
-    let lists = [&bodies[..0], &bodies[..1], &bodies[1..2], &bodies[2..3], &bodies[..2], &bodies[1..]];
-    for (entries, body, leaving) in
-        lists.iter().flat_map(|list| bodies.map(|body| [(list, body, false), (list, body, true)])).flatten()
+    let all = [(0, 0), (1, 0), (2, 1), (3, 2)].map(|(object, material)| MediumEntry { object, material });
+    let lists = [&all[..0], &all[..1], &all[1..2], &all[2..3], &all[..2], &all[1..]];
+    for (entries, entry, leaving) in
+        lists.iter().flat_map(|list| all.map(|entry| [(list, entry, false), (list, entry, true)])).flatten()
     {
-        let [mut usual, mut any] = [(); 2].map(|()| InteriorList { entries: entries.to_vec() });
-        let case = format!("{body:?} in {entries:?}, leaving: {leaving}");
-        let found = format!("{:?}", usual.interface(&materials, body, leaving));
-        assert_eq!(found, format!("{:?}", any.nested_interface(&materials, body, leaving)), "{case}");
-        assert_eq!(usual, any, "{case}");
-        let event = usual.interface(&materials, body, leaving).expect("room in the list").event;
-        assert_eq!(format!("{:?}", usual.event(body, leaving)), format!("Some({event:?})"), "{case}");
+        let [mut inlined, mut any] = [(); 2].map(|()| InteriorList { entries: entries.to_vec() });
+        let case = format!("{entry:?} in {entries:?}, leaving: {leaving}");
+        let found = format!("{:?}", inlined.interface(&materials, entry, leaving));
+        assert_eq!(found, format!("{:?}", any.nested_interface(&materials, entry, leaving)), "{case}");
+        assert_eq!(inlined, any, "{case}");
+        let event = inlined.interface(&materials, entry, leaving).expect("room in the list").event;
+        assert_eq!(format!("{:?}", inlined.event(entry, leaving)), format!("Some({event:?})"), "{case}");
     }
 }

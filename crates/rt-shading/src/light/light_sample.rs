@@ -83,7 +83,7 @@ impl<R: Real> LightDirections<R> {
 ///
 /// The power through a small area and solid angle is `radiance · cos θ · dA · dω`, θ from the normal of `surface`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightLeSample {
+pub struct LightPointSample {
     /// Point with a normal on an emissive side; origin of rays, world space.
     pub surface: SurfaceInteraction,
     /// Emitted radiance in all directions.
@@ -115,7 +115,7 @@ impl LightLiSample {
     }
 }
 
-impl LightLeSample {
+impl LightPointSample {
     /// Sample at a point that is uniform over the `area` of one side. `side` from `[0, 1)` selects the side of a two-sided
     /// light. `None` if the emission is black. `extent` bounds the size of the light, for the error bound.
     pub(super) fn of_surface(at: &LightPoint, emission: &Emission, side: f64, area: f64, extent: f64) -> Option<Self> {
@@ -206,7 +206,7 @@ mod tests {
     fn the_power_that_leaves_is_that_of_the_light() {
         for sides in [EmissionSides::Front, EmissionSides::Both] {
             for light in lights(sides) {
-                let departs: Vec<_> = numbers().filter_map(|[u, v, side]| light.sample_le([u, v], side)).collect();
+                let departs: Vec<_> = numbers().filter_map(|[u, v, side]| light.sample_point([u, v], side)).collect();
                 let power = departs.iter().map(|from| PI * from.radiance.r / from.pdf).sum::<f64>() / 4000.0;
                 assert!((power / light.power(1.0).r - 1.0).abs() < 1e-12, "{power} from {light:?}");
                 let fronts = departs.iter().filter(|from| is_front(&light, from)).count();
@@ -217,8 +217,8 @@ mod tests {
     }
 
     /// True if the point is on the front side; a ray towards it hits the light on an emissive side.
-    fn is_front(light: &Light, from: &LightLeSample) -> bool {
-        let LightLeSample { surface, .. } = from;
+    fn is_front(light: &Light, from: &LightPointSample) -> bool {
+        let LightPointSample { surface, .. } = from;
         let outside = surface.point + surface.geometric_normal * 1e-3;
         let at = light.intersect(outside, -surface.geometric_normal).expect("the point is on the light");
         assert!((at.point - surface.point).length() < 1e-9, "{light:?}");
@@ -233,7 +233,7 @@ mod tests {
             CylinderLight::new(DVec3::ZERO, DVec3::Z * 3.0, 1.0, true, white(EmissionSides::Front)).expect("a light");
         let sphere = SphereLight::new(DVec3::ZERO, 2.0, white(EmissionSides::Front)).expect("a light");
         let part = |light: &Light, is_in: &dyn Fn(DVec3) -> bool| {
-            let points = numbers().filter_map(|[u, v, side]| light.sample_le([u, v], side));
+            let points = numbers().filter_map(|[u, v, side]| light.sample_point([u, v], side));
             points.filter(|from| is_in(from.surface.point)).count() as f64 / 4000.0
         };
         // A cap is π of 8π; slices of a sphere of equal height have equal areas.
@@ -292,8 +292,8 @@ mod tests {
     fn nothing_leaves_an_environment_or_a_black_light() {
         let black = Emission::new(Rgb::BLACK, EmissionSides::Both).expect("black");
         let sphere = SphereLight::new(DVec3::ZERO, 2.0, black).expect("a light");
-        assert_eq!(Light::Sphere(sphere).sample_le([0.5; 2], 0.5), None);
+        assert_eq!(Light::Sphere(sphere).sample_point([0.5; 2], 0.5), None);
         let sky = EnvironmentLight::constant(Rgb::WHITE).expect("a light");
-        assert_eq!(Light::Environment(sky).sample_le([0.5; 2], 0.5), None);
+        assert_eq!(Light::Environment(sky).sample_point([0.5; 2], 0.5), None);
     }
 }

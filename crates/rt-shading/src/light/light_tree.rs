@@ -17,7 +17,7 @@ use split::split;
 pub struct LightTree {
     nodes: Vec<Node>,
     unbounded: Vec<u32>,
-    places: Vec<Place>,
+    slots: Vec<LightSlot>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,24 +36,24 @@ enum Content {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum LightSlot {
     Leaf(u32),
     Unbounded,
     /// Black: not in the tree.
-    Nowhere,
+    Absent,
 }
 
 impl LightTree {
     /// Tree over lights, given by their extents. Black lights are never sampled.
     pub fn new(lights: impl IntoIterator<Item = LightExtent>) -> Self {
         let lights: Vec<_> = lights.into_iter().collect();
-        let mut tree = Self { nodes: Vec::new(), unbounded: Vec::new(), places: vec![Place::Nowhere; lights.len()] };
+        let mut tree = Self { nodes: Vec::new(), unbounded: Vec::new(), slots: vec![LightSlot::Absent; lights.len()] };
         let mut bounded = Vec::new();
-        for ((light, place), index) in lights.into_iter().zip(&mut tree.places).zip(0u32..) {
+        for ((light, slot), index) in lights.into_iter().zip(&mut tree.slots).zip(0u32..) {
             match light {
                 LightExtent::Bounded(bounds) if bounds.power() > 0.0 => bounded.push((bounds, index)),
                 LightExtent::Unbounded => {
-                    *place = Place::Unbounded;
+                    *slot = LightSlot::Unbounded;
                     tree.unbounded.push(index);
                 }
                 LightExtent::Bounded(_) | LightExtent::Black => {}
@@ -68,9 +68,9 @@ impl LightTree {
     pub fn sample(&self, point: DVec3, normal: Option<DVec3>, u: f64) -> Option<SampledLight> {
         let u = if u >= 0.0 { u.min(BELOW_ONE) } else { 0.0 };
         let unbounded = self.probability_of_unbounded();
-        let place = self.unbounded.get((u / unbounded) as usize);
+        let unbounded_light = self.unbounded.get((u / unbounded) as usize);
         // The quotient may round to the number of lights.
-        if let Some(&index) = place.or(if self.nodes.is_empty() { self.unbounded.last() } else { None }) {
+        if let Some(&index) = unbounded_light.or(if self.nodes.is_empty() { self.unbounded.last() } else { None }) {
             return Some(SampledLight { index, probability: unbounded });
         }
         let mut node = self.nodes.first()?;
@@ -143,18 +143,18 @@ impl LightTree {
     /// Probability with which [`sample`](Self::sample) selects a light for this point. It is 0 for an index out of range and
     /// for a light that does not reach the point.
     pub fn pmf(&self, point: DVec3, normal: Option<DVec3>, index: u32) -> f64 {
-        let mut place = match self.places.get(index as usize) {
-            Some(Place::Unbounded) => return self.probability_of_unbounded(),
-            Some(&Place::Leaf(leaf)) => leaf,
+        let mut node_index = match self.slots.get(index as usize) {
+            Some(LightSlot::Unbounded) => return self.probability_of_unbounded(),
+            Some(&LightSlot::Leaf(leaf)) => leaf,
             _ => return 0.0,
         };
         let mut probability = self.probability_of_tree();
-        while let Some(node) = self.nodes.get(place as usize).filter(|_| place > 0) {
+        while let Some(node) = self.nodes.get(node_index as usize).filter(|_| node_index > 0) {
             // Pairs begin at odd numbers, behind the root.
-            let first = (place - 1) | 1;
+            let first = (node_index - 1) | 1;
             let pair = self.probabilities_of_pair(first as usize, point.into(), normal.map(Vector3::from));
-            probability *= pair[usize::from(place > first)];
-            place = node.parent;
+            probability *= pair[usize::from(node_index > first)];
+            node_index = node.parent;
         }
         probability
     }
@@ -198,20 +198,20 @@ impl LightTree {
             self.nodes.push(Node { bounds, parent: 0, content: Content::Halves(0) });
             waiting.push((0u32, 0..lights.len()));
         }
-        while let Some((place, range)) = waiting.pop() {
-            let node = place as usize;
+        while let Some((node_index, range)) = waiting.pop() {
+            let node = node_index as usize;
             if let [(_, light)] = lights[range.clone()] {
                 self.nodes[node].content = Content::Light(light);
-                self.places[light as usize] = Place::Leaf(place);
+                self.slots[light as usize] = LightSlot::Leaf(node_index);
                 continue;
             }
             let middle = range.start + split(&self.nodes[node].bounds, &mut lights[range.clone()]);
             let first = self.nodes.len() as u32;
             self.nodes[node].content = Content::Halves(first);
-            for (place, half) in [(first, range.start..middle), (first + 1, middle..range.end)] {
+            for (node_index, half) in [(first, range.start..middle), (first + 1, middle..range.end)] {
                 let bounds = union(&lights[half.clone()]).unwrap_or(self.nodes[node].bounds);
                 self.nodes.push(Node { bounds, parent: node as u32, content: Content::Halves(0) });
-                waiting.push((place, half));
+                waiting.push((node_index, half));
             }
         }
     }

@@ -80,7 +80,7 @@ pub use emission::{Emission, EmissionSides};
 pub use environment::EnvironmentLight;
 pub use light_bounds::{LightBounds, LightExtent};
 pub use light_error::LightError;
-pub use light_sample::{LightLeSample, LightLiSample, LightPoint, LightSample};
+pub use light_sample::{LightLiSample, LightPoint, LightPointSample, LightSample};
 pub use light_set::{LightId, LightSampling, LightSet};
 pub use light_tree::LightTree;
 pub use mesh::MeshLight;
@@ -215,7 +215,7 @@ impl Light {
     /// side, all in `[0, 1)`. `None` if the light is black.
     ///
     /// Light tracing starts paths of environments nowhere, and those of delta lights from their set of rays: `None` for both.
-    pub fn sample_le(&self, u: [f64; 2], side: f64) -> Option<LightLeSample> {
+    pub fn sample_point(&self, u: [f64; 2], side: f64) -> Option<LightPointSample> {
         let at = match self {
             Self::Delta(_) | Self::Environment(_) => return None,
             Self::Quad(light) => light.sample_area(u),
@@ -225,7 +225,7 @@ impl Light {
             Self::Mesh(light) => light.sample_area(u)?,
         };
         let extent = self.bounds()?.around().extent().max_element();
-        LightLeSample::of_surface(&at, self.emission()?, side, self.area(), extent)
+        LightPointSample::of_surface(&at, self.emission()?, side, self.area(), extent)
     }
 
     /// Power (pbrt: Φ). Light from infinitely far away counts if it enters a bounding sphere of radius `scene_radius`;

@@ -2,7 +2,7 @@
 
 use super::{
     CameraWiSample, LightTracingScene,
-    sources::LeSample,
+    sources::LightLeSample,
     wave::{Connection, LightPath, LightPaths},
 };
 use crate::{
@@ -20,7 +20,7 @@ use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 struct LightVertex<'a> {
     vertex: Vertex<'a>,
-    /// Surface with its original shading normal; a view bends it.
+    /// Surface with its original shading normal; a view turns it.
     surface: SurfaceInteraction,
     interface: Option<MediumInterface>,
 }
@@ -35,11 +35,16 @@ impl<S: Sampler> LightPaths<S> {
         time: f64,
     ) {
         let Some(sample) = scene.sources.sample_le(scene.lighting, time, &mut sampler) else { return };
-        let LeSample { ray, span, power, no_falloff } = sample;
+        let LightLeSample { ray, span, power, no_falloff } = sample;
         let mut medium_tracker = MediumTracker::default();
         if self.features.refraction {
             let materials = &scene.lighting.appearance.materials;
-            medium_tracker.interior.find_enclosing_media_within(scene.sources.bodies(), world, materials, &ray);
+            medium_tracker.interior.find_enclosing_media_within(
+                scene.sources.dielectric_bounds(),
+                world,
+                materials,
+                &ray,
+            );
         }
         let no_falloff_distance = no_falloff.then_some(0.0);
         self.next.push(None, &ray, span, self.paths.len() as u32);
@@ -65,7 +70,7 @@ impl<S: Sampler> LightPaths<S> {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         let materials = &lighting.appearance.materials;
         let Some(context) = HitContext::new(&self.features, materials, ray, hit) else { return };
-        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.body());
+        let interface = context.interface(&mut path.medium_tracker.interior, materials, hit.medium_entry());
         let is_visible = context.is_visible(interface.as_ref());
         let HitContext { material, direction, length, is_inside, .. } = context;
         if !is_visible {
@@ -104,7 +109,7 @@ impl<S: Sampler> LightPaths<S> {
     ) {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         path.medium_tracker.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
-        if path.bounces + path.medium_tracker.bounces_of_passages() > self.settings.max_depth {
+        if path.bounces + path.medium_tracker.null_interface_bounces() > self.settings.max_depth {
             self.counts.depth_limited += 1;
             return;
         }

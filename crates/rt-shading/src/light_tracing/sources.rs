@@ -4,7 +4,7 @@ use super::projection_map::{DirectionSample, ProjectionMap, within_cone};
 use crate::{
     Lighting,
     bsdf::cosine_hemisphere,
-    light::{DeltaLight, Falloff, Light, LightLeSample, LightSet, PowerLightSampler, delta::EmittedRays},
+    light::{DeltaLight, Falloff, Light, LightPointSample, LightSet, PowerLightSampler, delta::EmittedRays},
 };
 use core::f64::consts::{FRAC_1_PI, TAU};
 use rt_math::{Aabb, Frame, Interval, Ray, Rgb, Sampler};
@@ -31,12 +31,12 @@ pub struct LightSources {
     /// Length of the diagonal around all that is bounded.
     reach: f64,
     /// Bounds of dielectrics.
-    bodies: Aabb,
+    dielectric_bounds: Aabb,
 }
 
 /// First ray of a path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LeSample {
+pub(super) struct LightLeSample {
     pub(super) ray: Ray,
     pub(super) span: Interval,
     pub(super) power: Rgb,
@@ -45,9 +45,9 @@ pub(super) struct LeSample {
 }
 
 impl LightSources {
-    /// Lights of a scene, and the map of its specular surfaces. `bounds` contains all that is bounded, and `bodies` all
-    /// dielectrics.
-    pub fn new(lights: &LightSet, projection_map: ProjectionMap, bounds: Aabb, bodies: Aabb) -> Self {
+    /// Lights of a scene, and the map of its specular surfaces. `bounds` contains all that is bounded, and
+    /// `dielectric_bounds` all dielectrics.
+    pub fn new(lights: &LightSet, projection_map: ProjectionMap, bounds: Aabb, dielectric_bounds: Aabb) -> Self {
         let reach = if bounds.is_empty() { 1.0 } else { bounds.extent().length() };
         let power = |light: &Light| match light {
             Light::Environment(_) => Rgb::BLACK,
@@ -55,7 +55,7 @@ impl LightSources {
             light => light.power(reach),
         };
         let sampler = PowerLightSampler::new(lights.lights().iter().map(power));
-        Self { sampler, projection_map, reach, bodies }
+        Self { sampler, projection_map, reach, dielectric_bounds }
     }
 
     /// True if no light can reach a specular surface.
@@ -69,31 +69,36 @@ impl LightSources {
     }
 
     /// Bounds of dielectrics.
-    pub(super) const fn bodies(&self) -> Aabb {
-        self.bodies
+    pub(super) const fn dielectric_bounds(&self) -> Aabb {
+        self.dielectric_bounds
     }
 
     /// Samples the first ray of a path at a time; `None` if it would leave through the wrong side of its light.
-    pub(super) fn sample_le(&self, lighting: Lighting<'_>, time: f64, sampler: &mut impl Sampler) -> Option<LeSample> {
+    pub(super) fn sample_le(
+        &self,
+        lighting: Lighting<'_>,
+        time: f64,
+        sampler: &mut impl Sampler,
+    ) -> Option<LightLeSample> {
         let choice = self.sampler.sample(sampler.next_1d())?;
         let target = if self.projection_map.len() > 1 { sampler.next_1d() } else { 0.0 };
         let u = sampler.next_2d();
         let sample = match lighting.lights.lights().get(choice.index as usize)? {
             Light::Delta(light) => self.sample_le_delta(light, target, u),
-            light => self.sample_le_area(&light.sample_le(sampler.next_2d(), sampler.next_1d())?, target, u),
+            light => self.sample_le_area(&light.sample_point(sampler.next_2d(), sampler.next_1d())?, target, u),
         }?;
         let ray = Ray { time, ..sample.ray };
-        Some(LeSample { ray, power: sample.power / choice.probability, ..sample })
+        Some(LightLeSample { ray, power: sample.power / choice.probability, ..sample })
     }
 
-    fn sample_le_area(&self, from: &LightLeSample, target: f64, u: [f64; 2]) -> Option<LeSample> {
+    fn sample_le_area(&self, from: &LightPointSample, target: f64, u: [f64; 2]) -> Option<LightLeSample> {
         let normal = from.surface.geometric_normal;
         let sample = self.projection_map.sample_direction(from.surface.point, target, u).or_else(|| {
             let local = cosine_hemisphere(u);
             Some(DirectionSample { at: Frame::from_z(normal).from_local(local), pdf: local.z * FRAC_1_PI })
         })?;
         let cos = sample.at.dot(normal);
-        (cos > 0.0).then(|| LeSample {
+        (cos > 0.0).then(|| LightLeSample {
             ray: from.surface.spawn_ray(sample.at, 0.0),
             span: Interval::SPAWNED,
             power: from.radiance * (cos / (from.pdf * sample.pdf)),
@@ -101,13 +106,13 @@ impl LightSources {
         })
     }
 
-    fn sample_le_delta(&self, light: &DeltaLight, target: f64, u: [f64; 2]) -> Option<LeSample> {
+    fn sample_le_delta(&self, light: &DeltaLight, target: f64, u: [f64; 2]) -> Option<LightLeSample> {
         let (position, axis, one_minus_cos, start, falloff) = match light.emitted_rays() {
             EmittedRays::Parallel { direction } => {
                 let sample = self.projection_map.sample_disk(direction, target, u)?;
                 let ray = Ray::new(sample.at - direction * self.reach, direction);
                 let power = light.intensity * (light.units.irradiance_factor() / sample.pdf);
-                return Some(LeSample { ray, span: Interval::FORWARD, power, no_falloff: false });
+                return Some(LightLeSample { ray, span: Interval::FORWARD, power, no_falloff: false });
             }
             EmittedRays::Cone { position, axis, one_minus_cos, start, falloff } => {
                 (position, axis, one_minus_cos, start, falloff)
@@ -121,7 +126,7 @@ impl LightSources {
             light.intensity * (light.spot_falloff(sample.at.into()) * light.units.irradiance_factor() / sample.pdf);
         let span = Interval { min: start, ..Interval::FORWARD };
         let no_falloff = falloff == Falloff::None;
-        (!power.is_black()).then(|| LeSample { ray: Ray::new(position, sample.at), span, power, no_falloff })
+        (!power.is_black()).then(|| LightLeSample { ray: Ray::new(position, sample.at), span, power, no_falloff })
     }
 }
 

@@ -87,7 +87,7 @@ impl Connection {
     ) -> Option<f64> {
         let materials = &lighting.appearance.materials;
         let context = HitContext::new(features, materials, ray, hit)?;
-        let interface = context.interface(&mut self.medium_tracker.interior, materials, hit.body());
+        let interface = context.interface(&mut self.medium_tracker.interior, materials, hit.medium_entry());
         if context.is_visible(interface.as_ref()) {
             return None;
         }

@@ -15,7 +15,7 @@ impl<E: Element> SpawnedPaths<E> {
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
         sampler: &mut S,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         if vertex.bsdf.is_delta() {
             return;
@@ -23,13 +23,13 @@ impl<E: Element> SpawnedPaths<E> {
         let materials = &inputs.lighting.appearance.materials;
         let tracker = &self.states[path.sample as usize].medium_tracker;
         let media = if inputs.materials.has_shadow_media {
-            MediaAround::passed(tracker, path.interface)
+            MediaAround::of_interface(tracker, path.interface)
         } else if inputs.features.absorption {
             MediaAround::Uniform(tracker.media(materials, path.interface))
         } else {
             MediaAround::Clear
         };
-        self.sample_delta_lights(inputs, path, vertex, &media, seen);
+        self.sample_delta_lights(inputs, path, vertex, &media, radiance_sample);
         self.sample_light(inputs, path, vertex, &media, sampler);
     }
 
@@ -40,7 +40,7 @@ impl<E: Element> SpawnedPaths<E> {
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
         media: &MediaAround,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let (clamp, bounces) = (inputs.settings.clamp, path.wave.bounces);
         let surface = vertex.view.surface;
@@ -58,7 +58,7 @@ impl<E: Element> SpawnedPaths<E> {
                     let ray = light.shadow_ray(&shadow_rays, &lit, vertex.time);
                     media.push(stream, vertex, (lit.direction, lit.distance), (ray, path.sample, radiance));
                 } else {
-                    seen.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
+                    radiance_sample.radiance += clamp.apply(bounces + 1, radiance, &mut self.counts);
                 }
             }
         }
@@ -117,7 +117,7 @@ enum MediaAround {
 
 impl MediaAround {
     /// Media for shadow rays that pass surfaces.
-    fn passed(tracker: &MediumTracker, interface: Option<&MediumInterface>) -> Self {
+    fn of_interface(tracker: &MediumTracker, interface: Option<&MediumInterface>) -> Self {
         match interface {
             None => Self::OfPath,
             _ => Self::Sides(

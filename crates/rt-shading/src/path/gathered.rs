@@ -115,8 +115,8 @@ pub(super) struct Gathered<E: Element> {
     pub(super) emission: [[Rgb; 2]; LANES],
     pub(super) lights: [Option<LightId>; LANES],
     pub(super) bsdfs: GatheredBsdfs,
-    /// Bodies of lanes of glass, and the media on both sides of their surfaces, which are found later.
-    pub(super) bodies: [MediumEntry; LANES],
+    /// Medium entries of lanes of glass, and the media on both sides of their surfaces, which are found later.
+    pub(super) medium_entries: [MediumEntry; LANES],
     pub(super) interfaces: [Option<MediumInterface>; LANES],
     /// Lanes of glass in a medium that absorbs, and the throughput of their paths after absorption.
     pub(super) absorbed: u8,
@@ -240,7 +240,7 @@ pub(super) fn gather<W: StreamQueries, E: Element>(
     mask: u8,
     gathered: &mut Gathered<E>,
 ) {
-    let Gathered { shapes, valid, emission_only, emissive, emission, lights, bsdfs, bodies, .. } = gathered;
+    let Gathered { shapes, valid, emission_only, emissive, emission, lights, bsdfs, medium_entries, .. } = gathered;
     shapes.clear();
     bsdfs.clear();
     (*valid, *emission_only, *emissive) = (0, 0, 0);
@@ -259,7 +259,7 @@ pub(super) fn gather<W: StreamQueries, E: Element>(
             shapes.set(lane, &primitive.shape);
             bsdfs.set(lane, &material.surface);
             if matches!(kind, VertexKind::Glass | VertexKind::RoughGlass) {
-                bodies[lane] = MediumEntry { object: primitive.object, material: primitive.material };
+                medium_entries[lane] = MediumEntry { object: primitive.object, material: primitive.material };
             }
             if !material.emission[0].is_black() {
                 *emissive |= 1 << lane;

@@ -29,8 +29,8 @@ impl<'a> PathInputs<'a> {
         self.features.emission || !self.lighting.appearance.background.is_black()
     }
 
-    /// True if Russian roulette is played at the surfaces of a wave.
-    pub(super) fn plays_roulette(&self, bounces: u32) -> bool {
+    /// True if Russian roulette ends paths at the surfaces of a wave.
+    pub(super) fn uses_russian_roulette(&self, bounces: u32) -> bool {
         bounces >= self.settings.rr_start_depth
     }
 

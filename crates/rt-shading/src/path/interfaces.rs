@@ -24,24 +24,24 @@ impl<E: Element> SpawnedPaths<E> {
         wave: &PathWave<'_, E>,
         (first, glass, inside): (usize, u8, u8),
         (points, t, length): (&HitPoints<L>, &LaneArray, &LaneArray),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) -> u8 {
         let materials = &inputs.lighting.appearance.materials;
         let mut visible = 0;
         self.gathered.absorbed = 0;
         for lane in each_lane(glass) {
-            let (at, body) = (first + lane, self.gathered.bodies[lane]);
+            let (at, entry) = (first + lane, self.gathered.medium_entries[lane]);
             let (sample, light) = (wave.paths.sample.get(at), wave.paths.throughput(at));
-            let Some(material) = materials.get(body.material as usize) else { continue };
+            let Some(material) = materials.get(entry.material as usize) else { continue };
             let tracker = &mut self.states[sample as usize].medium_tracker;
             let (solid, is_inside) = (SurfaceTransmission::Solid, inside >> lane & 1 == 1);
-            let interface = solid.interface(&mut tracker.interior, materials, body, is_inside);
+            let interface = solid.interface(&mut tracker.interior, materials, entry, is_inside);
             let interface = interface.as_ref();
             let Some(interface) = interface.filter(|_| solid.is_visible(material, interface)) else {
-                let MediumEntry { object, material } = body;
+                let MediumEntry { object, material } = entry;
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
                 let path = HitPath { wave, at, sample, throughput: light, interface };
-                self.skip_interface(inputs, path, &hit, length[lane], &mut seen[sample as usize]);
+                self.skip_interface(inputs, path, &hit, length[lane], &mut radiances[sample as usize]);
                 continue;
             };
             visible |= 1 << lane;

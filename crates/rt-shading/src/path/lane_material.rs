@@ -6,7 +6,7 @@ use crate::{
     bsdf::{DiffusePhong, GlassSurface, LaneSurface, OrenNayar},
     bsdf_cache::uniform_bsdf,
     light::{EmissionSides, Light},
-    wavefront::{delta_lights::is_usual_light, is_in_range},
+    wavefront::{delta_lights::light_fits_f32, is_in_range},
 };
 use rt_geometry::SurfaceInteraction;
 use rt_math::{DVec3, Rgb};
@@ -26,8 +26,9 @@ pub(super) struct LaneMaterial {
 #[derive(Clone, Debug)]
 pub(super) struct LaneMaterials {
     materials: Vec<Option<LaneMaterial>>,
-    /// False if the numbers of a light leave the usual range of `f32`: then all hits are shaded one by one.
-    pub(super) has_usual_lights: bool,
+    /// False if all hits are shaded one by one: a light does not fit `f32`, or diffuse lobes are sampled and paths end
+    /// behind them.
+    pub(super) has_lanes: bool,
     /// True if a surface may change the [`WavePathState`](super::path_stream::WavePathState) of paths.
     pub(super) track_states: bool,
     /// True if shadow rays pass the surfaces of media that absorb ([`Appearance::has_shadow_media`](crate::Appearance::has_shadow_media)).
@@ -102,11 +103,10 @@ impl LaneMaterials {
     /// Materials of a scene. None is shaded in lanes where diffuse lobes are sampled and paths end behind them.
     pub(super) fn new(lighting: Lighting<'_>, transport: Transport, features: &ShadingFeatures) -> Self {
         let has_shadow_media = lighting.appearance.has_shadow_media(features);
-        let has_usual_lights =
-            transport != Transport::SpecularWithEmitters && lighting.lights.lights().iter().all(is_usual);
+        let has_lanes = transport != Transport::SpecularWithEmitters && lighting.lights.lights().iter().all(fits_f32);
         // The media of shadow rays from glass are found one by one.
         let stays = |it: &LaneMaterial| !(has_shadow_media && matches!(it.surface, LaneSurface::Glass(_)));
-        let of = |material| if has_usual_lights { LaneMaterial::of(material).filter(stays) } else { None };
+        let of = |material| if has_lanes { LaneMaterial::of(material).filter(stays) } else { None };
         let materials: Vec<_> = lighting.appearance.materials.iter().map(of).collect();
         let keeps_states = |material: &Option<LaneMaterial>| {
             material.is_some_and(|material| matches!(material.surface, LaneSurface::DiffusePhong(_)))
@@ -116,7 +116,7 @@ impl LaneMaterials {
         let kind = materials.first().and_then(kind_of);
         let kind = kind.filter(|_| materials.iter().all(|material| kind_of(material) == kind));
         let track_states = !materials.iter().all(keeps_states);
-        Self { materials, has_usual_lights, track_states, has_shadow_media, kind }
+        Self { materials, has_lanes, track_states, has_shadow_media, kind }
     }
 
     /// Material of an index; `None` if it is not shaded in lanes everywhere.
@@ -126,10 +126,11 @@ impl LaneMaterials {
     }
 }
 
-/// True if the numbers of a light are in the usual range of `f32`.
-fn is_usual(light: &Light) -> bool {
+/// True if the radiance of both sides of an emitter is in range ([`is_in_range`]), for delta lights as
+/// [`light_fits_f32`] says. Environments are not tested.
+fn fits_f32(light: &Light) -> bool {
     match light {
-        Light::Delta(light) => is_usual_light(light),
+        Light::Delta(light) => light_fits_f32(light),
         Light::Environment(_) => true,
         _ => [DVec3::Z, DVec3::NEG_Z].iter().all(|direction| is_in_range(light.le(*direction, DVec3::Z))),
     }

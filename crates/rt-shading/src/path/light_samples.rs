@@ -1,6 +1,6 @@
 //! Samples of area and environment lights in lanes.
 
-use super::wave_samples::WaveSamples;
+use super::ray_samples::RaySamples;
 use crate::{
     lane_set::LaneSet,
     lanes::{LANES, each_lane},
@@ -32,16 +32,16 @@ impl<L: LaneSet> LightSamples<L> {
         lanes: L,
         lights: &LightSet,
         (from, normal): (Vector3<L::D>, Vector3<L::F>),
-        (samples, at): (&WaveSamples, usize),
-        (mask, two_sided): (u8, u8),
+        (samples, at): (&RaySamples, usize),
+        (mask, rough_glass): (u8, u8),
     ) -> Self {
-        let [u, v] = &samples.light;
+        let [u, v] = &samples.direct_u;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
         let normal = lanes.widen_vector(normal);
-        let choice = lanes.load_f64(samples.choice.vector(at));
+        let choice = lanes.load_f64(samples.direct_uc.vector(at));
         let (mut indices, mut probability) = lanes.choose_lights(lights, from, normal, choice);
-        if two_sided != 0 {
-            choose_from_both_sides(lanes, lights, (from, choice), two_sided, (&mut indices, &mut probability));
+        if rough_glass != 0 {
+            choose_from_both_sides(lanes, lights, (from, choice), rough_glass, (&mut indices, &mut probability));
         }
         let zero = lanes.splat_f64(0.0);
         let none = Vector3::new(zero, zero, zero);

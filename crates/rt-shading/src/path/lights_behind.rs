@@ -41,7 +41,7 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         world: &mut W,
         bounces: u32,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         if self.behind.is_empty() {
             return;
@@ -59,7 +59,7 @@ impl<E: Element> SpawnedPaths<E> {
                     if !emitted.is_black() {
                         let t = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
                         let radiance = *throughput * media.transmittance_to(inputs.scene().1, ray, t) * emitted;
-                        seen[behind.sample as usize].radiance +=
+                        radiances[behind.sample as usize].radiance +=
                             inputs.settings.clamp.apply(bounces, radiance, &mut self.counts);
                     }
                     let behind_hit = hit.filter(|hit| !hit.casts_shadow);

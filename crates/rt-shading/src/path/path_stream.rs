@@ -95,9 +95,9 @@ impl Default for WavePathState {
 
 impl WavePathState {
     /// Restarts with a camera ray in these media, and keeps its memory.
-    pub(super) fn restart(&mut self, surroundings: &InteriorList) {
+    pub(super) fn restart(&mut self, camera_media: &InteriorList) {
         let mut medium_tracker = core::mem::take(&mut self.medium_tracker);
-        medium_tracker.restart(surroundings);
+        medium_tracker.restart(camera_media);
         *self = Self { medium_tracker, ..Self::default() };
     }
 }

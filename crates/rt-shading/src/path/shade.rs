@@ -42,26 +42,26 @@ impl<E: Element> SpawnedPaths<E> {
         (wave, at): (&PathWave<'_, E>, usize),
         hit: &mut SurfaceHit,
         (groups, sampler): (&mut HitGroups, &mut S),
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) -> bool {
         let &PathInputs { settings, features, lighting, .. } = inputs;
         let materials = &lighting.appearance.materials;
         let (ray, _) = wave.paths.rays.get(at);
         let Some(context) = HitContext::new(features, materials, &ray, hit) else {
-            seen.hit = true;
+            radiance_sample.hit = true;
             return false;
         };
         let sample = wave.paths.sample.get(at);
         let state = &mut self.states[sample as usize];
-        let interface = context.interface(&mut state.medium_tracker.interior, materials, hit.body());
+        let interface = context.interface(&mut state.medium_tracker.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         let HitContext { material, direction, length, is_inside, .. } = context;
         let mut path = HitPath { wave, at, sample, throughput: wave.paths.throughput(at), interface };
         if !context.is_visible(interface) {
-            self.skip_interface(inputs, path, hit, length, seen);
+            self.skip_interface(inputs, path, hit, length, radiance_sample);
             return false;
         }
-        seen.hit = true;
+        radiance_sample.hit = true;
         let was_absorbed = features.absorption && state.medium_tracker.absorbs(materials);
         if features.absorption {
             state.medium_tracker.absorb(materials, interface, hit.t, length, &mut path.throughput);
@@ -73,7 +73,7 @@ impl<E: Element> SpawnedPaths<E> {
                 let (point, normal) = (surface.point, surface.geometric_normal);
                 let weight = self.mis_weight_area(inputs, wave, at, hit.light, (point, normal));
                 let radiance = path.throughput * emitted * weight;
-                seen.radiance += settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
+                radiance_sample.radiance += settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
             }
         }
         if !hit.casts_shadow && lighting.lights.is_seen_through_objects && !context.transmits_light() {
@@ -83,7 +83,7 @@ impl<E: Element> SpawnedPaths<E> {
         if wave.bounces > settings.max_depth || self.states[sample as usize].emission_only {
             return false;
         }
-        let unbent = hit.interaction.shading_normal;
+        let shading_normal = hit.interaction.shading_normal;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let cached = lighting.bsdfs.get(hit.material);
         // A BSDF is large: one that is computed here is not moved.
@@ -98,14 +98,14 @@ impl<E: Element> SpawnedPaths<E> {
         };
         if inputs.has_ambient_light(bsdf.is_diffuse_below_layer()) {
             let ambient = material.ambient(&material.to_phong(), &lighting.appearance.textures, view.surface);
-            self.add_ambient(inputs, wave.bounces, path.throughput * ambient, seen);
+            self.add_ambient(inputs, wave.bounces, path.throughput * ambient, radiance_sample);
         }
         if let Some(surface) = in_lanes
-            && inputs.materials.has_usual_lights
+            && inputs.materials.has_lanes
             && interface.is_none()
             && !was_absorbed
         {
-            hit.interaction.shading_normal = unbent;
+            hit.interaction.shading_normal = shading_normal;
             groups.push_surface(&hit.interaction, surface);
             return true;
         }
@@ -118,7 +118,7 @@ impl<E: Element> SpawnedPaths<E> {
                 vertex.with_sampled_lobes(specular.as_ref())
             }
         };
-        self.sample_direct_lighting(inputs, &path, &vertex, sampler, seen);
+        self.sample_direct_lighting(inputs, &path, &vertex, sampler, radiance_sample);
         self.sample_bsdf(inputs, &path, &vertex, sampler);
         false
     }
@@ -160,13 +160,13 @@ impl<E: Element> SpawnedPaths<E> {
         path: HitPath<'_, E>,
         hit: &SurfaceHit,
         length: f64,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let HitPath { wave, at, sample, mut throughput, interface } = path;
         let state = &mut self.states[sample as usize];
         let tracker = &mut state.medium_tracker;
-        seen.hit |= tracker.skip_interface(interface, hit, length, &mut throughput, &mut self.counts);
-        let bounces = wave.bounces + tracker.bounces_of_passages();
+        radiance_sample.hit |= tracker.skip_interface(interface, hit, length, &mut throughput, &mut self.counts);
+        let bounces = wave.bounces + tracker.null_interface_bounces();
         if bounces > inputs.settings.max_depth.saturating_add(u32::from(state.emission_only)) {
             self.counts.depth_limited += 1;
             return;
@@ -174,7 +174,7 @@ impl<E: Element> SpawnedPaths<E> {
         let (ray, _) = wave.paths.rays.get(at);
         let record = wave.paths.get(at);
         let pdf = pdf_behind(hit, record.pdf);
-        self.passing.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
+        self.null_interface_paths.push(&ray, hit.span_after(&ray), &PathRecord { throughput, pdf, ..record });
     }
 
     /// Samples the next direction of the path.
@@ -206,7 +206,7 @@ impl<E: Element> SpawnedPaths<E> {
         if throughput.is_black() {
             return;
         }
-        if inputs.plays_roulette(bounces) && !russian_roulette(&mut throughput, state.eta_scale, sampler) {
+        if inputs.uses_russian_roulette(bounces) && !russian_roulette(&mut throughput, state.eta_scale, sampler) {
             return;
         }
         if bounces == 0 {

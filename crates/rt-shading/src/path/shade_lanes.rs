@@ -6,8 +6,8 @@ use super::{
     lane_bsdf::{BsdfLanes, SampledLanes},
     light_samples::LightSamples,
     path_stream::PathStream,
+    ray_samples::RaySamples,
     wave::{GatherHits, PathWave, ShadeHits, SpawnedPaths},
-    wave_samples::WaveSamples,
 };
 use crate::{
     RadianceSample,
@@ -33,7 +33,7 @@ struct Vertices<L: LaneSet> {
     /// Those whose lobes are all delta distributions: light is not sampled.
     delta: u8,
     /// Those of rough glass, which light reaches from both sides.
-    two_sided: u8,
+    rough_glass: u8,
     points: HitPoints<L>,
     surface: ShadedSurface<L>,
     normals: ShadingNormals<L>,
@@ -55,8 +55,8 @@ struct NextRays<L: LaneSet> {
 impl<E: Element> LaneStage<E> for ShadeHits<'_, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
-        let Self { spawned, inputs, gather, wave, samples, seen } = self;
-        spawned.shade((lanes, inputs), gather, (wave, samples), seen);
+        let Self { spawned, inputs, gather, wave, samples, radiances } = self;
+        spawned.shade((lanes, inputs), gather, (wave, samples), radiances);
     }
 }
 
@@ -67,8 +67,8 @@ impl<E: Element> SpawnedPaths<E> {
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
         gather: &GatherHits<'_, E>,
-        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
-        seen: &mut [RadianceSample],
+        (wave, samples): (&PathWave<'_, E>, &RaySamples),
+        radiances: &mut [RadianceSample],
     ) {
         let &PathWave { paths, hits, bounces } = wave;
         let n_rays = paths.rays.len();
@@ -82,13 +82,13 @@ impl<E: Element> SpawnedPaths<E> {
             }
             if bounces == 0 {
                 for lane in each_lane(mask) {
-                    seen[paths.sample.get(at + lane) as usize].hit = true;
+                    radiances[paths.sample.get(at + lane) as usize].hit = true;
                 }
             }
             let points = HitPoints::on_shapes(lanes, &self.gathered.shapes, &paths.rays, hits, at);
             let surface = ShadedSurface::new(lanes, &points, mask);
             if inputs.features.emission && self.gathered.emissive != 0 {
-                self.add_emission((lanes, inputs), wave, (at, &points, surface.inside), seen);
+                self.add_emission((lanes, inputs), wave, (at, &points, surface.inside), radiances);
             }
             let mut mask = mask & !self.gathered.emission_only;
             if mask == 0 {
@@ -103,7 +103,7 @@ impl<E: Element> SpawnedPaths<E> {
                 lanes.store_f64(points.t, &mut t);
                 lanes.store_f64(surface.length, &mut length);
                 let hits = (&points, &t, &length);
-                let visible = self.find_interfaces((lanes, inputs), wave, (at, glass, surface.inside), hits, seen);
+                let visible = self.find_interfaces((lanes, inputs), wave, (at, glass, surface.inside), hits, radiances);
                 mask = (mask & !glass) | visible;
                 if mask == 0 {
                     continue;
@@ -121,14 +121,14 @@ impl<E: Element> SpawnedPaths<E> {
             }
             let time = times(lanes, &paths.rays, at, inputs.has_time);
             let delta = mask & self.gathered.bsdfs.delta();
-            let two_sided = mask & self.gathered.bsdfs.glass.rough;
-            let vertices = Vertices { at, mask, delta, two_sided, points, surface, normals, throughput, time };
+            let rough_glass = mask & self.gathered.bsdfs.glass.rough;
+            let vertices = Vertices { at, mask, delta, rough_glass, points, surface, normals, throughput, time };
             let side = (vertices.normals.normal, vertices.surface.inside);
             let direction = vertices.surface.direction;
             let lobes = (inputs.follows_specular_only(), &mut lobes);
             let bsdf = BsdfLanes::new(lanes, &self.gathered.bsdfs, side, direction, lobes);
             if delta != mask {
-                self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), seen);
+                self.reflect_delta_lights((lanes, inputs), wave, (&vertices, &bsdf), radiances);
                 if !inputs.lighting.lights.sampled_lights().is_empty() {
                     self.reflect_light((lanes, inputs), (wave, samples), (&vertices, &bsdf));
                 }
@@ -143,7 +143,7 @@ impl<E: Element> SpawnedPaths<E> {
         (lanes, inputs): (L, &PathInputs<'_>),
         wave: &PathWave<'_, E>,
         (first, points, inside): (usize, &HitPoints<L>, u8),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         for lane in each_lane(self.gathered.emissive) {
             let Gathered { emission, lights, .. } = &self.gathered;
@@ -156,7 +156,7 @@ impl<E: Element> SpawnedPaths<E> {
             let weight = self.mis_weight_area(inputs, wave, at, light, (on_light, light_normal));
             let radiance = wave.paths.throughput(at) * emitted * weight;
             let radiance = inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
-            seen[wave.paths.sample.get(at) as usize].radiance += radiance;
+            radiances[wave.paths.sample.get(at) as usize].radiance += radiance;
         }
     }
 
@@ -167,7 +167,7 @@ impl<E: Element> SpawnedPaths<E> {
         (lanes, inputs): (L, &PathInputs<'_>),
         wave: &PathWave<'_, E>,
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let clamp = inputs.settings.clamp;
         let Vertices { at, points, throughput, time, .. } = vertices;
@@ -188,10 +188,10 @@ impl<E: Element> SpawnedPaths<E> {
                 if light.casts_shadows {
                     let black = lanes.bits(incident.is_lit) & mask & !lit;
                     self.counts.shadow_rays_skipped += u64::from(black.count_ones());
-                    if vertices.two_sided & lit != 0 && inputs.features.absorption {
+                    if vertices.rough_glass & lit != 0 && inputs.features.absorption {
                         let distance = lanes.widen(incident.distance);
                         radiance =
-                            self.gathered.attenuated(lanes, &(radiance, distance), vertices.two_sided & lit, below);
+                            self.gathered.attenuated(lanes, &(radiance, distance), vertices.rough_glass & lit, below);
                     }
                     let (direction, end) = shadow_rays(lanes, light, shadow_origin);
                     stream.push(lanes, lit, [shadow_origin, direction], (end, *time), (radiance, samples));
@@ -199,11 +199,11 @@ impl<E: Element> SpawnedPaths<E> {
                     let radiance = lanes.store_vector(radiance);
                     for lane in each_lane(lit) {
                         let [r, g, b] = [0, 1, 2].map(|c| radiance[c][lane].into());
-                        seen[samples[lane] as usize].radiance +=
+                        radiances[samples[lane] as usize].radiance +=
                             clamp.apply(wave.bounces + 1, Rgb::new(r, g, b), &mut self.counts);
                     }
                 } else {
-                    add_radiance(lanes, lit, radiance, true, samples, seen);
+                    add_radiance(lanes, lit, radiance, true, samples, radiances);
                 }
             }
         }
@@ -214,7 +214,7 @@ impl<E: Element> SpawnedPaths<E> {
     fn reflect_light<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
-        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (wave, samples): (&PathWave<'_, E>, &RaySamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
         let &Vertices { at, throughput, time, .. } = vertices;
@@ -222,7 +222,7 @@ impl<E: Element> SpawnedPaths<E> {
         // The origin of the next ray: its hit is weighted for this point.
         let from = (vertices.surface.near_origin, vertices.normals.normal);
         let LightSamples { lit, infinite, direction, target, weighted, pdf } =
-            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), (mask, vertices.two_sided));
+            LightSamples::new(lanes, inputs.lighting.lights, from, (samples, at), (mask, vertices.rough_glass));
         let zero = lanes.splat(0.0);
         let direction = lanes.narrow_vector(direction);
         let cos = vertices.cosines(lanes, direction);
@@ -231,10 +231,10 @@ impl<E: Element> SpawnedPaths<E> {
         let lit = lanes.bits(vertices.height(lanes, cos).gt(zero) & !is_zero(reflected)) & lit & mask;
         self.counts.shadow_rays_skipped += u64::from((mask & !lit).count_ones());
         let (shadow_origin, below) = vertices.shadow_origins(lanes, lit, cos);
-        let two_sided = vertices.two_sided & lit;
-        if two_sided != 0 && inputs.features.absorption {
+        let rough_glass = vertices.rough_glass & lit;
+        if rough_glass != 0 && inputs.features.absorption {
             let distance = (target - vertices.points.point).length();
-            radiance = self.gathered.attenuated(lanes, &(radiance, distance), two_sided & !infinite, below);
+            radiance = self.gathered.attenuated(lanes, &(radiance, distance), rough_glass & !infinite, below);
         }
         let (mut to_light, mut end) = (target - shadow_origin, lanes.splat_f64(Interval::SEGMENT.max));
         if infinite != 0 {
@@ -251,14 +251,14 @@ impl<E: Element> SpawnedPaths<E> {
     fn scatter<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &PathInputs<'_>),
-        (wave, samples): (&PathWave<'_, E>, &WaveSamples),
+        (wave, samples): (&PathWave<'_, E>, &RaySamples),
         (vertices, bsdf): (&Vertices<L>, &BsdfLanes<'_, L>),
     ) {
-        let &Vertices { at, mask, two_sided, ref surface, ref normals, throughput, time, .. } = vertices;
+        let &Vertices { at, mask, rough_glass, ref surface, ref normals, throughput, time, .. } = vertices;
         let mut normal = normals.normal;
-        let [u, v] = &samples.direction;
+        let [u, v] = &samples.indirect_u;
         let u = [lanes.load_f64(u.vector(at)), lanes.load_f64(v.vector(at))];
-        let sampled = bsdf.sample(lanes.load_f64(samples.lobe.vector(at)), u);
+        let sampled = bsdf.sample(lanes.load_f64(samples.indirect_uc.vector(at)), u);
         let (mut direction, above) = bsdf.direction(&sampled);
         let SampledLanes { weight, mut pdf, valid, diffuse, delta, transmitted, eta, .. } = sampled;
         let zero = lanes.splat(0.0);
@@ -292,20 +292,20 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let mut after = throughput.scaled_by(weight);
         let mut alive = continued & !lanes.bits(is_zero(after));
-        if inputs.plays_roulette(wave.bounces) {
+        if inputs.uses_russian_roulette(wave.bounces) {
             let mut eta_scale = self.eta_scales(lanes, inputs, (wave, at), mask);
             if transmitted != 0 {
                 eta_scale = eta_scale * (eta * eta);
             }
             let survival = survival_probability(after.x.max(after.y).max(after.z), eta_scale);
-            let u = lanes.load_f64(samples.roulette.vector(at));
+            let u = lanes.load_f64(samples.indirect_rr.vector(at));
             alive &= lanes.bits_f64(u.lt(lanes.widen(survival)));
             after = after / survival;
         }
         let direction = lanes.widen_vector(direction);
         let of_rays = wave.paths.sample.vector(at);
-        if two_sided != 0 {
-            normal = Vector3::select(lanes.mask(two_sided), Vector3::new(zero, zero, zero), normal);
+        if rough_glass != 0 {
+            normal = Vector3::select(lanes.mask(rough_glass), Vector3::new(zero, zero, zero), normal);
         }
         let rays = &NextRays { direction, throughput: after, pdf, normal, time };
         let (origin, reflected) = (surface.near_origin, alive & !diffuse & !transmitted);
@@ -328,7 +328,7 @@ impl<E: Element> SpawnedPaths<E> {
                 lanes.store(eta, &mut etas);
             }
             self.update_states(alive, [ends, delta, transmitted], (of_rays, &etas), wave.bounces);
-            let behind = alive & transmitted & two_sided;
+            let behind = alive & transmitted & rough_glass;
             if behind != 0 {
                 // The rays start behind the points from which lights were sampled.
                 let points = lanes.store_point(surface.near_origin);
@@ -426,9 +426,9 @@ impl<L: LaneSet> Vertices<L> {
         let zero = lanes.splat(0.0);
         let outside = self.surface.normal.dot(direction);
         let mut agrees = outside.gt(zero);
-        if self.two_sided != 0 {
+        if self.rough_glass != 0 {
             let agrees_on_side = (agrees & !cos.lt(zero)) | (outside.lt(zero) & cos.lt(zero));
-            agrees = (lanes.mask(self.two_sided) & agrees_on_side) | (agrees & !lanes.mask(self.two_sided));
+            agrees = (lanes.mask(self.rough_glass) & agrees_on_side) | (agrees & !lanes.mask(self.rough_glass));
         }
         Real::select(agrees, cos, zero)
     }
@@ -437,10 +437,10 @@ impl<L: LaneSet> Vertices<L> {
     #[inline(always)]
     fn shadow_origins(&self, lanes: L, lit: u8, cos: L::F) -> (Vector3<L::D>, u8) {
         let in_front = self.normals.shadow_origin;
-        if self.two_sided & lit == 0 {
+        if self.rough_glass & lit == 0 {
             return (in_front, 0);
         }
-        let behind = self.two_sided & lit & lanes.bits(cos.lt(lanes.splat(0.0)));
+        let behind = self.rough_glass & lit & lanes.bits(cos.lt(lanes.splat(0.0)));
         if behind == 0 {
             return (in_front, 0);
         }
@@ -451,7 +451,7 @@ impl<L: LaneSet> Vertices<L> {
     /// Cosines, without their sign where light comes from both sides.
     #[inline(always)]
     fn height(&self, lanes: L, cos: L::F) -> L::F {
-        if self.two_sided == 0 { cos } else { Real::select(lanes.mask(self.two_sided), cos.abs(), cos) }
+        if self.rough_glass == 0 { cos } else { Real::select(lanes.mask(self.rough_glass), cos.abs(), cos) }
     }
 }
 

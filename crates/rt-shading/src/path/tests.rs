@@ -1,6 +1,6 @@
-mod bent_normals;
 mod lanes;
 mod reference;
+mod shading_normals;
 
 use super::*;
 use crate::{
@@ -89,12 +89,13 @@ impl Scene {
 }
 
 /// Radiance of camera rays in `f64`, each with its own random numbers, and the work of shading in `f32`. The radiance is that of the
-/// reference; in `f32`, it has the same bits at all levels. There is one list of surroundings for all rays, or one for each.
+/// reference; in `f32`, it has the same bits at all levels. There is one list of media around the camera
+/// for all rays, or one for each.
 fn trace(
     world: &mut dyn SceneQueries,
     lighting: Lighting<'_>,
     settings: PathSettings,
-    surroundings: &[InteriorList],
+    camera_media: &[InteriorList],
     rays: &[Ray],
 ) -> (Vec<RadianceSample>, ShadingCounts) {
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
@@ -102,7 +103,7 @@ fn trace(
     let features = ShadingFeatures::of(lighting.appearance, |_| true);
     let mut radiance_of = |mut paths: PathTracer<Independent>| {
         let seen = in_streams(&spans, |range, rays, seen| {
-            paths.set_surroundings(if surroundings.len() > 1 { &surroundings[range.clone()] } else { surroundings });
+            paths.set_camera_media(if camera_media.len() > 1 { &camera_media[range.clone()] } else { camera_media });
             paths.radiance_of_stream(&mut SingleQueries::new(world), lighting, rays, &samplers[range], seen);
         });
         (seen, paths.take_counts())
@@ -121,15 +122,16 @@ fn trace(
     assert_close(&seen, &in_f32, 1e-3, 1 + rays.len() / 50, ("f32", settings));
     if !matches!(settings.transport, Transport::Specular | Transport::SpecularWithEmitters) {
         let (air, none) = (InteriorList::default(), ShadingCounts::default());
-        let mut reference = ReferencePathTracer { settings, lighting, surroundings: air, counts: none };
-        let li = |((ray, sampler), surroundings): ((&Ray, &Independent), &InteriorList)| {
-            reference.surroundings.clone_from(surroundings);
+        let mut reference = ReferencePathTracer { settings, lighting, camera_media: air, counts: none };
+        let li = |((ray, sampler), camera_media): ((&Ray, &Independent), &InteriorList)| {
+            reference.camera_media.clone_from(camera_media);
             reference.li(world, ray, &mut sampler.clone())
         };
-        let expected: Vec<_> = rays.iter().zip(&samplers).zip(surroundings.iter().cycle()).map(li).collect();
+        let expected: Vec<_> = rays.iter().zip(&samplers).zip(camera_media.iter().cycle()).map(li).collect();
         // On a light source, rounding decides whether the source itself reaches a point or one next to it.
         assert_close(&expected, &seen, 1e-9, rays.len() / 500, settings);
-        let of_media_and_clamp = |counts: &ShadingCounts| [counts.passages, counts.interior_overflows, counts.clamped];
+        let of_media_and_clamp =
+            |counts: &ShadingCounts| [counts.null_interfaces, counts.interior_overflows, counts.clamped];
         assert_eq!(of_media_and_clamp(&counts_in_f64), of_media_and_clamp(&reference.counts), "{settings:?}");
     }
     (seen, counts)
@@ -271,12 +273,13 @@ fn glass_neither_makes_nor_loses_light() {
     // Rough surfaces lose what facets pass to each other.
     let (mean, _) = furnace(glass(1.5, 0.0, 0.2)).estimate(paths(500), ray, 20_000);
     assert!(mean > 0.97 && mean < 1.0 + 1e-9, "{mean}");
-    // Beer's law along a diameter, through a body that does not bend light.
+    // Beer's law along a diameter, through a dielectric that does not bend light.
     let straight = Ray::new(DVec3::Z * 5.0, DVec3::NEG_Z);
     furnace(glass(1.0, 0.5, 0.0)).assert_shows(paths(5), straight, rt_math::transcendental::exp(-1.0));
 }
 
-/// Each thin_glass was entered as a body and never left, until the list of bodies was full and further panes were not seen.
+/// Each thin_glass was entered as a dielectric and never left, until the list of dielectrics was full and further panes
+/// were not seen.
 #[test]
 fn forty_panes_of_thin_glass_each_take_their_part() {
     let thin_glass = MaterialModel::ThinGlass { ior: 1.0, transmittance: gray(0.95) };

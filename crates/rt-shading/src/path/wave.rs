@@ -5,7 +5,7 @@ use super::{
     inputs::PathInputs,
     lane_material::{LaneMaterial, VertexKind},
     path_stream::{LightBehind, PathStream, PathStreamsByKind, WavePathState},
-    wave_samples::WaveSamples,
+    ray_samples::RaySamples,
 };
 use crate::{
     InteriorList, LaneLevel, RadianceSample, ShadingCounts, StreamPrimitive, StreamQueries,
@@ -22,18 +22,18 @@ pub(super) struct PathBatch<'a, S> {
     pub(super) rays: &'a mut RayStream,
     pub(super) samplers: &'a [S],
     /// One list for all rays, or one for each; none for air.
-    pub(super) surroundings: &'a [InteriorList],
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) camera_media: &'a [InteriorList],
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 /// Streams of a wave, and the samplers of its paths.
 #[derive(Clone, Debug)]
 pub(super) struct PathStreams<S, E: Element> {
     samplers: Vec<S>,
-    samples: WaveSamples,
+    samples: RaySamples,
     paths: PathStreamsByKind<E>,
     /// Paths that have passed null interfaces in this wave.
-    passed: PathStream<E>,
+    null_interface_paths: PathStream<E>,
     hits: HitStream,
     groups: HitGroups,
     /// Paths and hits that are shaded in lanes, without gaps.
@@ -46,7 +46,7 @@ pub(super) struct PathStreams<S, E: Element> {
 pub(super) struct SpawnedPaths<E: Element> {
     pub(super) paths: PathStreamsByKind<E>,
     /// Rays that continue behind null interfaces, in the same wave.
-    pub(super) passing: PathStream<E>,
+    pub(super) null_interface_paths: PathStream<E>,
     /// Shadow rays to each delta light, and to the sampled light.
     pub(super) delta: DeltaStreams<E>,
     pub(super) sampled: ShadowRayStream<E>,
@@ -73,8 +73,8 @@ pub(super) struct ShadeHits<'a, E: Element> {
     pub(super) inputs: &'a PathInputs<'a>,
     pub(super) gather: &'a GatherHits<'a, E>,
     pub(super) wave: &'a PathWave<'a, E>,
-    pub(super) samples: &'a WaveSamples,
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) samples: &'a RaySamples,
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 /// Gathers the surfaces of the hits of some lanes, from an index on.
@@ -84,9 +84,9 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
     pub(super) fn new() -> Self {
         Self {
             samplers: Vec::new(),
-            samples: WaveSamples::default(),
+            samples: RaySamples::default(),
             paths: PathStreamsByKind::default(),
-            passed: PathStream::default(),
+            null_interface_paths: PathStream::default(),
             hits: HitStream::default(),
             groups: HitGroups::default(),
             dense: Default::default(),
@@ -102,25 +102,25 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
         world: &mut W,
         batch: PathBatch<'_, S>,
     ) {
-        let PathBatch { rays, samplers, surroundings, seen } = batch;
-        seen.fill(RadianceSample::MISS);
+        let PathBatch { rays, samplers, camera_media, radiances } = batch;
+        radiances.fill(RadianceSample::MISS);
         samplers.clone_into(&mut self.samplers);
         let n_delta = inputs.lighting.lights.delta_lights().count();
-        self.spawned.start(inputs, n_delta, (samplers.len(), surroundings));
+        self.spawned.start(inputs, n_delta, (samplers.len(), camera_media));
         self.paths.clear();
         self.paths.diffuse.start(rays);
         let mut diffuse_kind = RayKind::Primary;
         let mut bounces = 0;
         while !self.paths.is_empty() {
-            let Self { samplers, samples, paths, passed, hits, groups, dense, spawned } = self;
+            let Self { samplers, samples, paths, null_interface_paths, hits, groups, dense, spawned } = self;
             let mut shade = |kind: RayKind, paths: &PathStream<E>, spawned: &mut SpawnedPaths<E>| {
                 if paths.rays.is_empty() {
                     return;
                 }
                 world.closest_stream(&paths.rays, kind, hits);
                 let mut wave = &PathWave { paths, hits, bounces };
-                spawned.group(inputs, &*world, wave, (groups, samplers), seen);
-                spawned.add_lights_behind(inputs, &mut *world, bounces, seen);
+                spawned.group(inputs, &*world, wave, (groups, samplers), radiances);
+                spawned.add_lights_behind(inputs, &mut *world, bounces, radiances);
                 let compacted;
                 if groups.is_sparse() {
                     groups.compact((wave.paths, wave.hits), dense);
@@ -132,7 +132,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 let gather_hits = |at: usize, mask: u8, gathered: &mut Gathered<E>| {
                     gather(world, inputs.materials, (wave.hits, groups, at), mask, gathered);
                 };
-                E::run(level, ShadeHits { spawned, inputs, gather: &gather_hits, wave, samples, seen });
+                E::run(level, ShadeHits { spawned, inputs, gather: &gather_hits, wave, samples, radiances });
             };
             for (kind, paths) in [
                 (RayKind::Reflection, &paths.reflected),
@@ -140,10 +140,10 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 (diffuse_kind, &paths.diffuse),
             ] {
                 shade(kind, paths, spawned);
-                while !spawned.passing.rays.is_empty() {
-                    passed.rays.clear();
-                    core::mem::swap(passed, &mut spawned.passing);
-                    shade(RayKind::Refraction, passed, spawned);
+                while !spawned.null_interface_paths.rays.is_empty() {
+                    null_interface_paths.rays.clear();
+                    core::mem::swap(null_interface_paths, &mut spawned.null_interface_paths);
+                    shade(RayKind::Refraction, null_interface_paths, spawned);
                 }
             }
             let clamp = inputs.settings.clamp;
@@ -155,7 +155,7 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
                 } else {
                     light.trace(world);
                 }
-                light.add_unblocked(|radiance| clamp.apply(bounces + 1, radiance, counts), seen);
+                light.add_unoccluded(|radiance| clamp.apply(bounces + 1, radiance, counts), radiances);
             }
             paths.clear();
             core::mem::swap(paths, &mut spawned.paths);
@@ -167,17 +167,17 @@ impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
 
 impl<E: Element> SpawnedPaths<E> {
     /// Makes space for lights and samples.
-    fn start(&mut self, inputs: &PathInputs<'_>, n_delta: usize, (n_samples, surroundings): (usize, &[InteriorList])) {
+    fn start(&mut self, inputs: &PathInputs<'_>, n_delta: usize, (n_samples, camera_media): (usize, &[InteriorList])) {
         self.delta.start(n_delta, n_samples);
         if self.states.len() < n_samples {
             self.states.resize_with(n_samples, WavePathState::default);
         }
         if inputs.materials.track_states {
             let air = InteriorList::default();
-            let surroundings = if inputs.features.refraction { surroundings } else { &[] };
-            let mut surroundings = surroundings.iter().cycle();
+            let camera_media = if inputs.features.refraction { camera_media } else { &[] };
+            let mut camera_media = camera_media.iter().cycle();
             for state in &mut self.states[..n_samples] {
-                state.restart(surroundings.next().unwrap_or(&air));
+                state.restart(camera_media.next().unwrap_or(&air));
             }
         }
     }
@@ -189,7 +189,7 @@ impl<E: Element> SpawnedPaths<E> {
         world: &W,
         wave: &PathWave<'_, E>,
         (groups, samplers): (&mut HitGroups, &mut [S]),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let PathWave { paths, hits, bounces } = wave;
         let (needs, tracks_states) = (inputs.features.surface(), inputs.materials.track_states);
@@ -205,13 +205,13 @@ impl<E: Element> SpawnedPaths<E> {
             groups.fill(primitives, if ends_all { VertexKind::EmissionOnly } else { kind });
             if !inputs.lighting.appearance.background.is_black() {
                 let misses = primitives.iter().enumerate().filter(|(_, primitive)| **primitive == HitStream::NONE);
-                misses.for_each(|(at, _)| self.add_background(inputs, wave, at, seen));
+                misses.for_each(|(at, _)| self.add_background(inputs, wave, at, radiances));
             }
             return;
         }
         for at in 0..paths.rays.len() {
             if hits.primitive.get(at) == HitStream::NONE {
-                self.add_background(inputs, wave, at, seen);
+                self.add_background(inputs, wave, at, radiances);
                 groups.push(VertexKind::Done);
                 continue;
             }
@@ -227,7 +227,7 @@ impl<E: Element> SpawnedPaths<E> {
                     matches!(material.surface, LaneSurface::MetallicRoughness(_) | LaneSurface::Layered(_));
                 if !ends && inputs.has_ambient_light(is_layered) {
                     let weight = paths.throughput(at) * material.ambient;
-                    self.add_ambient(inputs, *bounces, weight, &mut seen[id]);
+                    self.add_ambient(inputs, *bounces, weight, &mut radiances[id]);
                 }
                 groups.push(if ends { VertexKind::EmissionOnly } else { VertexKind::of(&material.surface) });
                 continue;
@@ -235,9 +235,9 @@ impl<E: Element> SpawnedPaths<E> {
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
             let hit = &mut world.surface(&ray, hits, at, needs);
-            let is_in_lanes = hit
-                .as_mut()
-                .is_some_and(|hit| self.shade_hit(inputs, (wave, at), hit, (groups, &mut samplers[id]), &mut seen[id]));
+            let is_in_lanes = hit.as_mut().is_some_and(|hit| {
+                self.shade_hit(inputs, (wave, at), hit, (groups, &mut samplers[id]), &mut radiances[id])
+            });
             if !is_in_lanes {
                 groups.push(VertexKind::Done);
             }
@@ -250,7 +250,7 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         wave: &PathWave<'_, E>,
         at: usize,
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let background = &inputs.lighting.appearance.background;
         if background.is_black() {
@@ -265,7 +265,7 @@ impl<E: Element> SpawnedPaths<E> {
         let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
         let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };
         let radiance = wave.paths.throughput(at) * weight * background.radiance(ray.direction);
-        seen[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
+        radiances[sample].radiance += inputs.settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
     }
 
     /// Adds ambient light that a surface reflects, with this weight in the pixel.
@@ -274,10 +274,10 @@ impl<E: Element> SpawnedPaths<E> {
         inputs: &PathInputs<'_>,
         bounces: u32,
         weight: Rgb,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let radiance = weight * inputs.lighting.appearance.ambient;
-        seen.radiance += inputs.settings.clamp.apply(bounces + 1, radiance, &mut self.counts);
+        radiance_sample.radiance += inputs.settings.clamp.apply(bounces + 1, radiance, &mut self.counts);
     }
 }
 

@@ -15,8 +15,8 @@ const MAX_SQUARED: f64 = 1e30;
 /// Least range of cosines of the cone of a spot, and of its ramp.
 const MIN_COSINE_STEP: f64 = 1e-3;
 
-/// True for a light whose numbers are in the usual range of `f32`, and whose cone is wide enough for it.
-pub(crate) fn is_usual_light(light: &DeltaLight) -> bool {
+/// True for a light whose intensity is in range ([`is_in_range`]), and whose cone is wide enough for cosines in `f32`.
+pub(crate) fn light_fits_f32(light: &DeltaLight) -> bool {
     let is_wide = |cone: SpotCone| {
         let ramp = cone.cos_inner - cone.cos_outer;
         1.0 - cone.cos_outer >= MIN_COSINE_STEP && (ramp == 0.0 || ramp >= MIN_COSINE_STEP)
@@ -36,18 +36,18 @@ pub(crate) fn sample_li<L: LaneSet>(
     let to_light = lanes.narrow_vector(position - points.point);
     let incident = light.sample_li_from(to_light);
     let squared = to_light.length_squared();
-    let is_usual = squared.gt(lanes.splat(MIN_SQUARED)) & squared.lt(lanes.splat(MAX_SQUARED));
-    if mask & !lanes.bits(is_usual) == 0 || light.kind.position().is_none() {
+    let fits_f32 = squared.gt(lanes.splat(MIN_SQUARED)) & squared.lt(lanes.splat(MAX_SQUARED));
+    if mask & !lanes.bits(fits_f32) == 0 || light.kind.position().is_none() {
         return incident;
     }
     let exact = light.sample_li_lanes(points.point);
-    let select = |usual, exact| Vector3::select(is_usual, usual, lanes.narrow_vector(exact));
+    let select = |approximate, exact| Vector3::select(fits_f32, approximate, lanes.narrow_vector(exact));
     let is_lit = lanes.mask(lanes.bits_f64(exact.is_lit));
     DeltaLiLanes {
         direction: select(incident.direction, exact.direction),
         strength: select(incident.strength, exact.strength),
-        distance: Real::select(is_usual, incident.distance, lanes.narrow(exact.distance)),
-        is_lit: (is_usual & incident.is_lit) | (!is_usual & is_lit),
+        distance: Real::select(fits_f32, incident.distance, lanes.narrow(exact.distance)),
+        is_lit: (fits_f32 & incident.is_lit) | (!fits_f32 & is_lit),
     }
 }
 

@@ -99,7 +99,7 @@ pub(crate) fn shadow_origins<L: LaneSet>(
     offset(lanes, points, (start, outwards), mask)
 }
 
-/// Unit normals, bent where they face away from the viewer until they are perpendicular to the view, as by
+/// Unit normals, turned where they face away from the viewer until they are perpendicular to the view, as by
 /// [`ViewedSurface`](crate::viewed_surface::ViewedSurface).
 #[inline(always)]
 fn turned_to_viewer<L: LaneSet>(normal: Vector3<L::F>, surface: &ShadedSurface<L>) -> Vector3<L::F> {
@@ -109,9 +109,9 @@ fn turned_to_viewer<L: LaneSet>(normal: Vector3<L::F>, surface: &ShadedSurface<L
     if !is_away.any() {
         return normal;
     }
-    let (bent, has_length) = (normal - wo * facing).try_normalize();
-    let bent = Vector3::select(has_length, bent, surface.normal);
-    Vector3::select(is_away, bent, normal)
+    let (turned, has_length) = (normal - wo * facing).try_normalize();
+    let turned = Vector3::select(has_length, turned, surface.normal);
+    Vector3::select(is_away, turned, normal)
 }
 
 /// Points on the surface, or above it, moved off it by the error bound of `points`, in the direction of the normal or its opposite.

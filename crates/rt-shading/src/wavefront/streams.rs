@@ -52,7 +52,7 @@ pub(crate) struct ShadowRayStream<E: Element> {
     radiance: [StreamArray<E>; 3],
     /// Media in which rays start, by their indices, if these are not the media of the path.
     interiors: Vec<(usize, InteriorList)>,
-    blocked: Box<[bool; STREAM_CAPACITY]>,
+    occluded: Box<[bool; STREAM_CAPACITY]>,
 }
 
 impl<E: Element> Default for ShadowRayStream<E> {
@@ -62,7 +62,7 @@ impl<E: Element> Default for ShadowRayStream<E> {
             sample: StreamArray::default(),
             radiance: Default::default(),
             interiors: Vec::new(),
-            blocked: Box::new([false; STREAM_CAPACITY]),
+            occluded: Box::new([false; STREAM_CAPACITY]),
         }
     }
 }
@@ -101,10 +101,10 @@ impl<E: Element> ShadowRayStream<E> {
         self.interiors.push((self.rays.len().saturating_sub(1), interior));
     }
 
-    /// Traces the rays. [`add_unblocked`](Self::add_unblocked) comes next.
+    /// Traces the rays. [`add_unoccluded`](Self::add_unoccluded) comes next.
     pub(crate) fn trace(&mut self, world: &mut impl StreamQueries) {
         if !self.rays.is_empty() {
-            world.occluded_stream(&self.rays, &mut self.blocked[..self.rays.len()]);
+            world.occluded_stream(&self.rays, &mut self.occluded[..self.rays.len()]);
         }
     }
 
@@ -124,7 +124,7 @@ impl<E: Element> ShadowRayStream<E> {
             let (ray, span) = self.rays.get(at);
             (at, ray, ShadowMedia::span(span), media)
         };
-        let mut waiting: Vec<_> = (0..self.rays.len()).map(start).filter(|(at, ..)| !self.blocked[*at]).collect();
+        let mut waiting: Vec<_> = (0..self.rays.len()).map(start).filter(|(at, ..)| !self.occluded[*at]).collect();
         let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
         while !waiting.is_empty() {
             rays.clear();
@@ -134,10 +134,10 @@ impl<E: Element> ShadowRayStream<E> {
             waiting.retain_mut(|(at, ray, span, media)| {
                 let hit = index.next().and_then(|index| world.surface(ray, &hits, index, scene.0.surface()));
                 let rest = hit.as_ref().and_then(|hit| media.pass(scene, (ray, *span), hit, counts));
-                self.blocked[*at] = hit.is_some() && rest.is_none();
+                self.occluded[*at] = hit.is_some() && rest.is_none();
                 if let Some(rest) = rest {
                     *span = rest;
-                } else if !self.blocked[*at] {
+                } else if !self.occluded[*at] {
                     let transmittance = media.transmittance_to(scene.1, ray, span.max);
                     for (radiance, factor) in self.radiance.iter_mut().zip(transmittance.to_array()) {
                         radiance.set(*at, E::rounded(radiance.get(*at).into() * factor));
@@ -149,12 +149,12 @@ impl<E: Element> ShadowRayStream<E> {
     }
 
     /// Adds the light of the rays that are not occluded, and removes all rays. `bounded` is applied to that light.
-    pub(crate) fn add_unblocked(&mut self, mut bounded: impl FnMut(Rgb) -> Rgb, seen: &mut [RadianceSample]) {
+    pub(crate) fn add_unoccluded(&mut self, mut bounded: impl FnMut(Rgb) -> Rgb, radiances: &mut [RadianceSample]) {
         let [r, g, b] = &self.radiance;
-        for (at, is_blocked) in self.blocked[..self.rays.len()].iter().enumerate() {
-            if !is_blocked {
+        for (at, is_occluded) in self.occluded[..self.rays.len()].iter().enumerate() {
+            if !is_occluded {
                 let radiance = Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into());
-                seen[self.sample.get(at) as usize].radiance += bounded(radiance);
+                radiances[self.sample.get(at) as usize].radiance += bounded(radiance);
             }
         }
         self.rays.clear();
@@ -192,13 +192,13 @@ pub(crate) fn add_radiance<L: LaneSet>(
     radiance: Vector3<L::F>,
     is_hit: bool,
     samples: &[u32; 8],
-    seen: &mut [RadianceSample],
+    radiances: &mut [RadianceSample],
 ) {
     let [r, g, b] = lanes.store_vector(radiance);
     for lane in each_lane(mask) {
-        let seen = &mut seen[samples[lane & 7] as usize];
-        seen.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
-        seen.hit |= is_hit;
+        let radiance_sample = &mut radiances[samples[lane & 7] as usize];
+        radiance_sample.radiance += Rgb::new(r[lane & 7].into(), g[lane & 7].into(), b[lane & 7].into());
+        radiance_sample.hit |= is_hit;
     }
 }
 

@@ -66,11 +66,11 @@ impl ShapeWorld {
     }
 
     /// Version in which every second triangle has interpolated normals, some of which face away from the viewer.
-    pub(crate) fn with_bent_normals(mut self) -> Self {
+    pub(crate) fn with_shading_normals(mut self) -> Self {
         for (at, primitive) in self.0.iter_mut().enumerate().step_by(2) {
             if let TestShape::Triangle(StreamTriangle { normal, vertex_normals, .. }, _) = &mut primitive.shape {
-                let bent = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
-                *vertex_normals = Some([60, 63, 66].map(bent));
+                let tilted = |key: u64| (*normal + vector(at as u64, key)).normalize().as_vec3();
+                *vertex_normals = Some([60, 63, 66].map(tilted));
             }
         }
         self
@@ -135,10 +135,10 @@ impl StreamQueries for ShapeWorld {
         }
     }
 
-    fn occluded_stream(&mut self, rays: &RayStream, blocked: &mut [bool]) {
-        for (at, blocked) in blocked.iter_mut().enumerate() {
+    fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]) {
+        for (at, occluded) in occluded.iter_mut().enumerate() {
             let (ray, span) = rays.get(at);
-            *blocked = self.occluded(&ray, span);
+            *occluded = self.occluded(&ray, span);
         }
     }
 

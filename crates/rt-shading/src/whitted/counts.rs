@@ -40,7 +40,7 @@ shading_counts! {
     /// Evaluations of Beer's law.
     absorption: true,
     /// Null interfaces that rays have passed: both sides have the same medium.
-    passages: true,
+    null_interfaces: true,
     /// Paths that ended at a specular surface at the maximum depth.
     depth_limited: true,
     /// Surfaces of dielectrics that were ignored, because the list of enclosing dielectrics was full.

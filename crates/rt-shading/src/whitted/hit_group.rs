@@ -34,7 +34,7 @@ pub(super) struct HitGroup<'a, L: LaneSet> {
     /// Lanes that hit, and whose surface is visible.
     pub(super) mask: u8,
     /// Weights of the radiance in the pixel, after absorption.
-    pub(super) weight: Vector3<L::F>,
+    pub(super) throughput: Vector3<L::F>,
     /// Lanes whose surface transmits light.
     pub(super) transmits: u8,
     /// Index of refraction before the surface divided by that behind it; 1 where no light is transmitted.
@@ -45,7 +45,7 @@ pub(super) struct HitGroup<'a, L: LaneSet> {
 
 impl<L: LaneSet> HitSurfaces<'_, L> {
     /// Object and material of a lane.
-    pub(super) const fn body(&self, lane: usize) -> MediumEntry {
+    pub(super) const fn medium_entry(&self, lane: usize) -> MediumEntry {
         MediumEntry { object: self.objects[lane % LANES], material: self.material }
     }
 }

@@ -13,7 +13,7 @@ pub(super) struct Settings {
 }
 
 /// Inputs of all shading stages of a batch.
-pub(super) struct TreeInputs<'a> {
+pub(super) struct RayTreeInputs<'a> {
     pub(super) settings: &'a Settings,
     pub(super) appearance: &'a Appearance,
     pub(super) phongs: &'a LanePhongs,
@@ -21,9 +21,9 @@ pub(super) struct TreeInputs<'a> {
     pub(super) has_time: bool,
 }
 
-impl TreeInputs<'_> {
-    /// False for a weight that is invisible in the pixel.
-    pub(super) fn is_significant(&self, weight: Rgb) -> bool {
-        !(weight.is_black() || weight.max_component() < self.settings.min_contribution)
+impl RayTreeInputs<'_> {
+    /// False for a throughput that is invisible in the pixel.
+    pub(super) fn is_significant(&self, throughput: Rgb) -> bool {
+        !(throughput.is_black() || throughput.max_component() < self.settings.min_contribution)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::{
     hit_group::{HitGroup, HitSurfaces},
-    inputs::TreeInputs,
-    streams::TreeStream,
+    inputs::RayTreeInputs,
+    streams::RayTreeStream,
     wave::SpawnedRays,
 };
 use crate::{
@@ -20,12 +20,12 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(always)]
     pub(super) fn find_interfaces<L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         group: &mut HitGroup<'_, L>,
-        paths: &TreeStream<E>,
-        seen: &mut [RadianceSample],
+        paths: &RayTreeStream<E>,
+        radiances: &mut [RadianceSample],
     ) {
-        let &TreeInputs { settings, appearance, .. } = inputs;
+        let &RayTreeInputs { settings, appearance, .. } = inputs;
         for lane in each_lane(group.mask) {
             self.sides[lane & 7] = [paths.media.get(group.at + lane).interior; 2];
         }
@@ -39,7 +39,7 @@ impl<E: Element> SpawnedRays<E> {
         let (mut t, mut length) = ([0.0; 8], [0.0; 8]);
         lanes.store_f64(points.t, &mut t);
         lanes.store_f64(surface.length, &mut length);
-        let (mut eta, mut weight) = ([E::rounded(1.0); 8], [[E::default(); 8]; 3]);
+        let (mut eta, mut throughput) = ([E::rounded(1.0); 8], [[E::default(); 8]; 3]);
         let mut is_absorbed = false;
         for lane in each_lane(group.mask) {
             let at = group.at + lane;
@@ -50,27 +50,28 @@ impl<E: Element> SpawnedRays<E> {
             let media = &mut self.media;
             media.resume(&self.lists, paths.media.get(at));
             let is_inside = surface.inside >> lane & 1 == 1;
-            let interface = transmission.interface(&mut media.interior, materials, surfaces.body(lane), is_inside);
+            let interface =
+                transmission.interface(&mut media.interior, materials, surfaces.medium_entry(lane), is_inside);
             let interface = interface.as_ref();
             *before = self.lists.push_changed(&media.interior, *before);
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
-                let MediumEntry { object, material } = surfaces.body(lane);
+                let MediumEntry { object, material } = surfaces.medium_entry(lane);
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
-                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), seen);
+                self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), radiances);
                 continue;
             }
             if settings.features.absorption {
-                let mut absorbed = paths.weight(at);
+                let mut absorbed = paths.throughput(at);
                 let absorption = media.absorb(materials, interface, t[lane], length[lane], &mut absorbed);
                 if !absorption.is_black() {
                     self.counts.absorption += 1;
                     self.absorption[lane] = absorption;
                     group.absorbed |= 1 << lane;
                     if !core::mem::replace(&mut is_absorbed, true) {
-                        weight = lanes.store_vector(group.weight);
+                        throughput = lanes.store_vector(group.throughput);
                     }
-                    set_color(&mut weight, lane, absorbed);
+                    set_color(&mut throughput, lane, absorbed);
                 }
             }
             if let Some(interface) = interface.filter(|_| group.phong.transmission.is_some()) {
@@ -81,8 +82,8 @@ impl<E: Element> SpawnedRays<E> {
         }
         group.eta = lanes.load(&eta);
         if is_absorbed {
-            let [r, g, b] = &weight;
-            group.weight = Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b));
+            let [r, g, b] = &throughput;
+            group.throughput = Vector3::new(lanes.load(r), lanes.load(g), lanes.load(b));
         }
     }
 
@@ -90,14 +91,14 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(never)]
     fn skip_interface_of_ray(
         &mut self,
-        inputs: &TreeInputs<'_>,
-        (paths, at): (&TreeStream<E>, usize),
+        inputs: &RayTreeInputs<'_>,
+        (paths, at): (&RayTreeStream<E>, usize),
         hit: &SurfaceHit,
         interface: (Option<&MediumInterface>, f64),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) {
         let (path, (ray, _)) = (paths.get(at), paths.rays.get(at));
-        let seen = &mut seen[path.branch as usize];
-        self.skip_interface(inputs, (&ray, path), hit, interface, seen);
+        let radiance_sample = &mut radiances[path.branch as usize];
+        self.skip_interface(inputs, (&ray, path), hit, interface, radiance_sample);
     }
 }

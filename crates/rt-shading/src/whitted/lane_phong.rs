@@ -5,19 +5,19 @@ use crate::{
     hit_context::SurfaceTransmission,
     lane_set::LaneSet,
     light::EmissionSides,
-    wavefront::{IOR_RANGE, delta_lights::is_usual_light, is_in_range},
+    wavefront::{IOR_RANGE, delta_lights::light_fits_f32, is_in_range},
 };
 use rt_math::{Real as _, Rgb, Vector3, transcendental::Pow};
 
 /// Largest exponent of a highlight: the power multiplies the rounding error of the cosine by it.
 const MAX_EXPONENT: f64 = 1000.0;
 
-/// Phong model of a material, whose textures are checkerboards with squares of the same size, or which has none.
+/// Phong model of a material, whose textures are checkerboards with cells of the same size, or which has none.
 #[derive(Clone, Debug)]
 pub(super) struct LanePhong {
-    /// Models of even and of odd squares.
-    squares: [UniformPhong; 2],
-    /// Side of a square in texture space; infinite without textures.
+    /// Models of even and of odd cells.
+    cells: [UniformPhong; 2],
+    /// Side of a cell in texture space; infinite without textures.
     side: f64,
 }
 
@@ -48,21 +48,21 @@ pub(super) struct LanePhongs {
 }
 
 impl LanePhongs {
-    /// Models with these features. Which materials have one does not depend on the features. None has one if the numbers of a light leave
-    /// the usual range of `f32`. Light with inverse-square falloff may still overflow at a distance of less than 10⁻¹³.
+    /// Models with these features. Which materials have one does not depend on the features. None has one if a light does
+    /// not fit `f32`. Light with inverse-square falloff may still overflow at a distance of less than 10⁻¹³.
     pub(super) fn new(appearance: &Appearance, features: &ShadingFeatures) -> Self {
-        let has_usual_lights = appearance.lights.iter().all(is_usual_light);
+        let lights_fit_f32 = appearance.lights.iter().all(light_fits_f32);
         let has_shadow_media = appearance.has_shadow_media(features);
         let of = |material: &Material| {
             // The media of shadow rays from transparent surfaces are found one by one.
             if has_shadow_media && SurfaceTransmission::of(features, material) != SurfaceTransmission::None {
                 return None;
             }
-            let has_usual_medium = material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
-            let is_usual = has_usual_lights
-                && has_usual_medium
-                && LanePhong::of(material, appearance, &ShadingFeatures::ALL).is_some_and(|phong| phong.is_usual());
-            if is_usual { LanePhong::of(material, appearance, features) } else { None }
+            let ior_fits_f32 = material.interior.is_none_or(|interior| IOR_RANGE.contains(&interior.ior));
+            let fits_f32 = lights_fit_f32
+                && ior_fits_f32
+                && LanePhong::of(material, appearance, &ShadingFeatures::ALL).is_some_and(|phong| phong.fits_f32());
+            if fits_f32 { LanePhong::of(material, appearance, features) } else { None }
         };
         let phongs: Vec<_> = appearance.materials.iter().map(of).collect();
         Self { are_complete: phongs.iter().all(Option::is_some), phongs, has_shadow_media }
@@ -75,14 +75,14 @@ impl LanePhongs {
 }
 
 impl LanePhong {
-    /// True for colours in the usual range of `f32`, and highlights that are wide enough for cosines in it.
-    fn is_usual(&self) -> bool {
+    /// True if all colours are in range ([`is_in_range`]), and the highlights are wide enough for cosines in `f32`.
+    fn fits_f32(&self) -> bool {
         self.colors().all(is_in_range) && self.exponent() <= MAX_EXPONENT
     }
 
     fn of(material: &Material, appearance: &Appearance, features: &ShadingFeatures) -> Option<Self> {
         let mut side = None;
-        let mut square = |is_odd| {
+        let mut cell = |is_odd| {
             let mut color = |texture: ColorTexture| match texture {
                 ColorTexture::Constant(rgb) => Some(rgb),
                 ColorTexture::Textured(TextureId(id), factor) => match appearance.textures.get(id as usize)? {
@@ -94,44 +94,44 @@ impl LanePhong {
             };
             UniformPhong::of(material, appearance, features, &mut color)
         };
-        let squares = [square(false)?, square(true)?];
-        Some(Self { squares, side: side.unwrap_or(f64::INFINITY) })
+        let cells = [cell(false)?, cell(true)?];
+        Some(Self { cells, side: side.unwrap_or(f64::INFINITY) })
     }
 
-    /// Largest exponent of the highlights of squares.
+    /// Largest exponent of the highlights of cells.
     fn exponent(&self) -> f64 {
-        let of_square = |square: &UniformPhong| if square.specular == Rgb::BLACK { 0.0 } else { square.exponent };
-        let [even, odd] = &self.squares;
-        of_square(even).max(of_square(odd))
+        let of_cell = |cell: &UniformPhong| if cell.specular == Rgb::BLACK { 0.0 } else { cell.exponent };
+        let [even, odd] = &self.cells;
+        of_cell(even).max(of_cell(odd))
     }
 
-    /// Colours of all squares.
+    /// Colours of all cells.
     fn colors(&self) -> impl Iterator<Item = Rgb> {
-        let of_square = |square: &UniformPhong| {
-            let [front, back] = square.radiance;
-            [front, back, square.diffuse, square.specular, square.mirror, square.transmission_coefficient()]
+        let of_cell = |cell: &UniformPhong| {
+            let [front, back] = cell.radiance;
+            [front, back, cell.diffuse, cell.specular, cell.mirror, cell.transmission_coefficient()]
         };
-        self.squares.iter().flat_map(of_square)
+        self.cells.iter().flat_map(of_cell)
     }
 
-    /// True if its colours differ between squares.
+    /// True if its colours differ between cells.
     #[inline(always)]
     pub(super) const fn is_checkered(&self) -> bool {
         self.side != f64::INFINITY
     }
 
-    /// Lanes on an odd square of the checkerboard, given texture coordinates.
+    /// Lanes on an odd cell of the checkerboard, given texture coordinates.
     #[inline(always)]
-    pub(super) fn odd_squares<L: LaneSet>(&self, lanes: L, [u, v]: [L::D; 2]) -> u8 {
+    pub(super) fn odd_cells<L: LaneSet>(&self, lanes: L, [u, v]: [L::D; 2]) -> u8 {
         let side = lanes.splat_f64(self.side);
         let half = (lanes.floor_f64(u / side) + lanes.floor_f64(v / side)) * 0.5;
         !lanes.bits_f64((half - lanes.floor_f64(half)).eq(lanes.splat_f64(0.0)))
     }
 
-    /// Model of an odd square if the lowest bit of `odd` is set, else of an even one.
+    /// Model of an odd cell if the lowest bit of `odd` is set, else of an even one.
     #[inline(always)]
-    pub(super) const fn square(&self, odd: u8) -> &UniformPhong {
-        &self.squares[(odd & 1) as usize]
+    pub(super) const fn cell(&self, odd: u8) -> &UniformPhong {
+        &self.cells[(odd & 1) as usize]
     }
 }
 

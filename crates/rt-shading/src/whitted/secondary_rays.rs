@@ -2,8 +2,8 @@
 
 use super::{
     hit_group::{HitGroup, HitSurfaces},
-    inputs::TreeInputs,
-    streams::TreeStream,
+    inputs::RayTreeInputs,
+    streams::RayTreeStream,
     wave::SpawnedRays,
 };
 use crate::{
@@ -20,9 +20,9 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(always)]
     pub(super) fn spawn_rays<L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         group: &HitGroup<'_, L>,
-        paths: &TreeStream<E>,
+        paths: &RayTreeStream<E>,
     ) {
         let settings = inputs.settings;
         let &HitGroup {
@@ -30,7 +30,7 @@ impl<E: Element> SpawnedRays<E> {
             surfaces: &HitSurfaces { points: surface_points, surface, normals, .. },
             at,
             mask,
-            weight,
+            throughput,
             transmits,
             eta,
             ..
@@ -61,31 +61,39 @@ impl<E: Element> SpawnedRays<E> {
                 let reflectance = Real::select(is_null, zero, optics::fresnel(-direction.dot(normal), eta));
                 reflected_part = Real::select(lanes.mask(transmits), reflectance, one);
             }
-            let passed_part = if has_fresnel { one - reflected_part } else { one };
-            let weight = weight.scaled_by(lanes.splat_rgb(phong.transmission_coefficient())) * passed_part;
-            let significant = transmits & lanes.bits(is_significant(weight, settings.min_contribution));
+            let transmitted_part = if has_fresnel { one - reflected_part } else { one };
+            let throughput = throughput.scaled_by(lanes.splat_rgb(phong.transmission_coefficient())) * transmitted_part;
+            let significant = transmits & lanes.bits(is_significant(throughput, settings.min_contribution));
             if significant != 0 {
                 let sin_i = direction.cross(normal).length();
-                let (bent, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
-                let turns_back = bent.dot(-towards_viewer).lt(zero);
-                let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, -towards_viewer), bent);
-                let bent = Vector3::select(is_null, direction, bent);
+                let (refracted_direction, is_transmitted) = optics::refract_lanes(direction, normal, eta, sin_i);
+                let turns_back = refracted_direction.dot(-towards_viewer).lt(zero);
+                let refracted_direction = Vector3::select(
+                    turns_back,
+                    optics::reflect_lanes(refracted_direction, -towards_viewer),
+                    refracted_direction,
+                );
+                let refracted_direction = Vector3::select(is_null, direction, refracted_direction);
                 let mask = significant & lanes.bits(is_transmitted | is_null);
-                refracted = (mask != 0).then_some((mask, bent, weight));
+                refracted = (mask != 0).then_some((mask, refracted_direction, throughput));
             }
         }
         let mut mirrored = 0;
         if features.reflection && is_specular && continues != 0 {
-            let weight = weight.scaled_by(lanes.splat_rgb(phong.mirror)) * reflected_part;
-            mirrored = continues & lanes.bits(is_significant(weight, settings.min_contribution));
+            let throughput = throughput.scaled_by(lanes.splat_rgb(phong.mirror)) * reflected_part;
+            mirrored = continues & lanes.bits(is_significant(throughput, settings.min_contribution));
             if mirrored != 0 {
-                let bent = optics::reflect_lanes(direction, normal);
+                let mirrored_direction = optics::reflect_lanes(direction, normal);
                 let zero = lanes.splat(0.0);
-                let turns_back = bent.dot(towards_viewer).lt(zero);
-                let bent = Vector3::select(turns_back, optics::reflect_lanes(bent, towards_viewer), bent);
+                let turns_back = mirrored_direction.dot(towards_viewer).lt(zero);
+                let mirrored_direction = Vector3::select(
+                    turns_back,
+                    optics::reflect_lanes(mirrored_direction, towards_viewer),
+                    mirrored_direction,
+                );
                 let end = self.reflected.len();
-                let rays = [near_origin, lanes.widen_vector(bent)];
-                self.reflected.push_lanes(lanes, mirrored, rays, weight, (paths, at, inputs.has_time));
+                let rays = [near_origin, lanes.widen_vector(mirrored_direction)];
+                self.reflected.push_lanes(lanes, mirrored, rays, throughput, (paths, at, inputs.has_time));
                 if features.refraction {
                     for (to, lane) in (end..).zip(each_lane(mirrored)) {
                         self.reflected.media.set(to, RayMedia::new(self.sides[lane & 7][0]));
@@ -93,13 +101,13 @@ impl<E: Element> SpawnedRays<E> {
                 }
             }
         }
-        if let Some((mask, bent, weight)) = refracted {
-            let directions = lanes.widen_vector(bent);
+        if let Some((mask, refracted_direction, throughput)) = refracted {
+            let directions = lanes.widen_vector(refracted_direction);
             let outside = surface_points.outside;
             let outwards = Vector3::select(directions.dot(outside).lt(lanes.splat_f64(0.0)), -outside, outside);
             let origins = offset(lanes, surface_points, (surface_points.point, outwards), mask);
             let end = self.refracted.len();
-            self.refracted.push_lanes(lanes, mask, [origins, directions], weight, (paths, at, inputs.has_time));
+            self.refracted.push_lanes(lanes, mask, [origins, directions], throughput, (paths, at, inputs.has_time));
             for (to, lane) in (end..).zip(each_lane(mask)) {
                 self.refracted.media.set(to, RayMedia::new(self.sides[lane & 7][1]));
                 if mirrored >> lane & 1 == 1 {
@@ -111,8 +119,8 @@ impl<E: Element> SpawnedRays<E> {
     }
 }
 
-/// True for weights that are visible in the pixel.
+/// True for throughputs that are visible in the pixel.
 #[inline(always)]
-fn is_significant<R: Real>(weight: Vector3<R>, min_contribution: f64) -> R::Mask {
-    !weight.x.max(weight.y).max(weight.z).lt(weight.x.splat(min_contribution)) & !is_zero(weight)
+fn is_significant<R: Real>(throughput: Vector3<R>, min_contribution: f64) -> R::Mask {
+    !throughput.x.max(throughput.y).max(throughput.z).lt(throughput.x.splat(min_contribution)) & !is_zero(throughput)
 }

@@ -1,6 +1,6 @@
 //! Shading of hits one by one: local illumination and secondary rays.
 
-use super::{inputs::TreeInputs, tree_path::TreePath, wave::SpawnedRays};
+use super::{inputs::RayTreeInputs, ray_tree_path::RayTreePath, wave::SpawnedRays};
 use crate::{
     InteriorList, Material, Phong, RadianceSample, SurfaceHit, hit_context::HitContext, interior_list::MediumInterface,
     lane_set::Element, medium::transmittance_to_light, medium_tracker::RayMedia, optics, viewed_surface::ViewedSurface,
@@ -11,27 +11,27 @@ impl<E: Element> SpawnedRays<E> {
     /// Shades the hit of a path and spawns its secondary rays. At a null interface the path continues in the next wave.
     pub(super) fn shade_hit(
         &mut self,
-        inputs: &TreeInputs<'_>,
-        mut path: TreePath,
+        inputs: &RayTreeInputs<'_>,
+        mut path: RayTreePath,
         ray: &Ray,
         hit: &mut SurfaceHit,
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let (features, materials) = (&inputs.settings.features, &inputs.appearance.materials);
         let Some(context) = HitContext::new(features, materials, ray, hit) else {
-            seen.hit = true;
+            radiance_sample.hit = true;
             return;
         };
         self.media.resume(&self.lists, path.media);
-        let interface = context.interface(&mut self.media.interior, materials, hit.body());
+        let interface = context.interface(&mut self.media.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         if !context.is_visible(interface) {
-            return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), seen);
+            return self.skip_interface(inputs, (ray, path), hit, (interface, context.length), radiance_sample);
         }
-        seen.hit = true;
+        radiance_sample.hit = true;
         let mut absorption = Rgb::BLACK;
         if features.absorption {
-            absorption = self.media.absorb(materials, interface, hit.t, context.length, &mut path.weight);
+            absorption = self.media.absorb(materials, interface, hit.t, context.length, &mut path.throughput);
             self.counts.absorption += u64::from(!absorption.is_black());
         }
         let HitContext { material, direction, is_inside, .. } = context;
@@ -43,7 +43,7 @@ impl<E: Element> SpawnedRays<E> {
             absorption = Rgb::BLACK;
         }
         let near = (absorption, interior.as_ref());
-        self.shade_direct(inputs, (material, phong), (&view, near), (&path, ray.time), seen);
+        self.shade_direct(inputs, (material, phong), (&view, near), (&path, ray.time), radiance_sample);
         let interface = interface.filter(|_| phong.transmission.is_some());
         self.spawn_secondary_rays(inputs, phong, (&view, interface), (&path, ray.time));
     }
@@ -51,16 +51,16 @@ impl<E: Element> SpawnedRays<E> {
     /// Continues the ray of a path in [`media`](Self::media) behind a null interface. `length` is world units per unit of the ray parameter.
     pub(super) fn skip_interface(
         &mut self,
-        inputs: &TreeInputs<'_>,
-        (ray, mut path): (&Ray, TreePath),
+        inputs: &RayTreeInputs<'_>,
+        (ray, mut path): (&Ray, RayTreePath),
         hit: &SurfaceHit,
         (interface, length): (Option<&MediumInterface>, f64),
-        seen: &mut RadianceSample,
+        radiance_sample: &mut RadianceSample,
     ) {
         let media = &mut self.media;
-        let is_dimmed = media.skip_interface(interface, hit, length, &mut path.weight, &mut self.counts);
+        let is_dimmed = media.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
         self.counts.absorption += u64::from(is_dimmed);
-        seen.hit |= is_dimmed;
+        radiance_sample.hit |= is_dimmed;
         path.depth += u32::from(media.null_limit_exceeded());
         if path.depth > inputs.settings.max_depth {
             self.counts.depth_limited += 1;
@@ -74,13 +74,13 @@ impl<E: Element> SpawnedRays<E> {
     /// in these media.
     fn shade_direct(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         (material, phong): (&Material, &Phong),
         (view, (absorption, interior)): (&ViewedSurface<'_>, (Rgb, Option<&InteriorList>)),
-        (path, time): (&TreePath, f64),
-        seen: &mut RadianceSample,
+        (path, time): (&RayTreePath, f64),
+        radiance_sample: &mut RadianceSample,
     ) {
-        let &TreeInputs { appearance, settings, .. } = inputs;
+        let &RayTreeInputs { appearance, settings, .. } = inputs;
         let (features, surface, textures) = (&settings.features, view.surface, &appearance.textures);
         let mut radiance = Rgb::BLACK;
         if features.emission {
@@ -89,7 +89,7 @@ impl<E: Element> SpawnedRays<E> {
         if features.ambient {
             radiance += material.ambient(phong, textures, surface) * appearance.ambient;
         }
-        seen.radiance += path.weight * radiance;
+        radiance_sample.radiance += path.throughput * radiance;
         let diffuse = phong.diffuse.at(textures, surface);
         let specular = if features.highlights { phong.specular.at(textures, surface) } else { Rgb::BLACK };
         let shadow_rays = surface.shadow_rays(view.is_inside);
@@ -115,7 +115,7 @@ impl<E: Element> SpawnedRays<E> {
                 });
                 match lit {
                     Some(lit) if !reflected.is_black() => {
-                        let radiance = path.weight * reflected;
+                        let radiance = path.throughput * reflected;
                         if shadowed {
                             let radiance = radiance * transmittance_to_light(absorption, lit.distance);
                             stream.push_ray(light.shadow_ray(&shadow_rays, &lit, time), path.branch, radiance);
@@ -123,7 +123,7 @@ impl<E: Element> SpawnedRays<E> {
                                 stream.start_in(interior.clone());
                             }
                         } else {
-                            seen.radiance += radiance;
+                            radiance_sample.radiance += radiance;
                         }
                     }
                     _ => self.counts.shadow_rays_skipped += u64::from(shadowed),
@@ -135,10 +135,10 @@ impl<E: Element> SpawnedRays<E> {
     /// Spawns the mirrored and the refracted ray of a surface with media on both sides.
     fn spawn_secondary_rays(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         phong: &Phong,
         (view, interface): (&ViewedSurface<'_>, Option<&MediumInterface>),
-        (path, time): (&TreePath, f64),
+        (path, time): (&RayTreePath, f64),
     ) {
         let features = &inputs.settings.features;
         if path.depth >= inputs.settings.max_depth {
@@ -147,7 +147,7 @@ impl<E: Element> SpawnedRays<E> {
         }
         let surface = view.surface;
         let textures = &inputs.appearance.textures;
-        let bounced = |weight| TreePath { depth: path.depth + 1, weight, ..*path };
+        let bounced = |throughput| RayTreePath { depth: path.depth + 1, throughput, ..*path };
         let mut reflected_part = 1.0;
         let mut refracted = None;
         if let (Some(interface), Some(transmission)) = (interface, &phong.transmission) {
@@ -158,19 +158,19 @@ impl<E: Element> SpawnedRays<E> {
                 reflected_part =
                     if interface.is_null() { 0.0 } else { optics::fresnel(-view.direction.dot(view.normal), eta) };
             }
-            let passed_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
-            let weight = path.weight * transmission.coefficient.at(textures, surface) * passed_part;
-            if inputs.is_significant(weight) {
+            let transmitted_part = if transmission.fresnel { 1.0 - reflected_part } else { 1.0 };
+            let throughput = path.throughput * transmission.coefficient.at(textures, surface) * transmitted_part;
+            if inputs.is_significant(throughput) {
                 let direction = if interface.is_null() { Some(view.direction) } else { view.refracted(eta) };
-                refracted = direction.map(|direction| (interface, direction, bounced(weight)));
+                refracted = direction.map(|direction| (interface, direction, bounced(throughput)));
             }
         }
         let mirrored = features.reflection.then(|| {
             self.counts.mirrors += 1;
-            path.weight * phong.mirror.at(textures, surface) * reflected_part
+            path.throughput * phong.mirror.at(textures, surface) * reflected_part
         });
-        let mirrored = mirrored.filter(|weight| inputs.is_significant(*weight));
-        let mirrored = mirrored.map(|weight| (surface.spawn_ray(view.mirrored(), time), bounced(weight)));
+        let mirrored = mirrored.filter(|throughput| inputs.is_significant(*throughput));
+        let mirrored = mirrored.map(|throughput| (surface.spawn_ray(view.mirrored(), time), bounced(throughput)));
         let refracted =
             refracted.map(|(interface, direction, path)| (surface.spawn_ray(direction, time), path, interface));
         // Of two rays, the refracted one starts a branch.

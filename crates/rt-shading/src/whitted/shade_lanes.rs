@@ -2,10 +2,10 @@
 
 use super::{
     hit_group::{HitGroup, HitSurfaces},
-    inputs::TreeInputs,
+    inputs::RayTreeInputs,
     lane_phong::LanePhong,
-    streams::TreeStream,
-    wave::{ShadeTreeHits, SpawnedRays, TreeWave},
+    streams::RayTreeStream,
+    wave::{RayTreeWave, ShadeRayTreeHits, SpawnedRays},
 };
 use crate::{
     Background, RadianceSample,
@@ -24,11 +24,11 @@ use crate::{
 use rt_geometry::HitStream;
 use rt_math::{Real, Rgb};
 
-impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeTreeHits<'_, W, E> {
+impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeRayTreeHits<'_, W, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
-        let Self { spawned, inputs, world, wave, seen } = self;
-        spawned.shade((lanes, inputs), world, wave, seen);
+        let Self { spawned, inputs, world, wave, radiances } = self;
+        spawned.shade((lanes, inputs), world, wave, radiances);
     }
 }
 
@@ -37,17 +37,17 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(always)]
     fn shade<W: StreamQueries, L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         world: &W,
-        (paths, hits): TreeWave<'_, E>,
-        seen: &mut [RadianceSample],
+        (paths, hits): RayTreeWave<'_, E>,
+        radiances: &mut [RadianceSample],
     ) {
         for at in (0..paths.len()).step_by(L::N) {
             let used = first_lanes((paths.len() - at).min(L::N));
             let [instances, indices] = [hits.instance.vector(at), hits.primitive.vector(at)];
             let missed = lanes.equal(indices, HitStream::NONE) & used;
             if missed != 0 {
-                leave_scene((lanes, inputs), missed, (paths, at), seen);
+                leave_scene((lanes, inputs), missed, (paths, at), radiances);
             }
             let mut rest = self.in_lanes.bits(at) & used & !missed;
             while let Some(first) = each_lane(rest).next() {
@@ -62,8 +62,14 @@ impl<E: Element> SpawnedRays<E> {
                 let points = match shape {
                     StreamShape::Triangle(_) | StreamShape::MeshTriangle(..) => {
                         let material = (model, material);
-                        rest &=
-                            !self.shade_triangles((lanes, inputs), world, (paths, hits), (at, rest), material, seen);
+                        rest &= !self.shade_triangles(
+                            (lanes, inputs),
+                            world,
+                            (paths, hits),
+                            (at, rest),
+                            material,
+                            radiances,
+                        );
                         continue;
                     }
                     StreamShape::Sphere(sphere) => HitPoints::on_sphere(lanes, sphere, (&paths.rays, hits), at),
@@ -80,7 +86,7 @@ impl<E: Element> SpawnedRays<E> {
                 let surface = &ShadedSurface::new(lanes, &points, mask);
                 let (normals, objects) = (&ShadingNormals::flat(&points, surface), &[object; LANES]);
                 let surfaces = &HitSurfaces { points: &points, surface, normals, uv, objects, material };
-                self.shade_squares((lanes, inputs), model, surfaces, (paths, at, mask), seen);
+                self.shade_by_cell((lanes, inputs), model, surfaces, (paths, at, mask), radiances);
             }
         }
     }
@@ -89,12 +95,12 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(never)]
     fn shade_triangles<W: StreamQueries, L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         world: &W,
-        (paths, hits): TreeWave<'_, E>,
+        (paths, hits): RayTreeWave<'_, E>,
         (at, mask): (usize, u8),
         (model, material): (&LanePhong, u32),
-        seen: &mut [RadianceSample],
+        radiances: &mut [RadianceSample],
     ) -> u8 {
         lanes.vectorize(
             #[inline(always)]
@@ -111,7 +117,7 @@ impl<E: Element> SpawnedRays<E> {
                 }
                 let uv = if has_uv { Some(HitPoints::uv_on_triangles(lanes, &self.gathered, hits, at)) } else { None };
                 let surfaces = &HitSurfaces { points, surface, normals: &normals, uv, objects: &objects, material };
-                self.shade_squares((lanes, inputs), model, surfaces, (paths, at, mask), seen);
+                self.shade_by_cell((lanes, inputs), model, surfaces, (paths, at, mask), radiances);
                 mask
             },
         )
@@ -155,24 +161,24 @@ impl<E: Element> SpawnedRays<E> {
 
     /// Shades the hits of some lanes, from index `at` on, on surfaces of a material. Those of a checkerboard have texture coordinates.
     #[inline(always)]
-    fn shade_squares<L: LaneSet<Element = E>>(
+    fn shade_by_cell<L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         model: &LanePhong,
         surfaces: &HitSurfaces<'_, L>,
-        (paths, at, mask): (&TreeStream<E>, usize, u8),
-        seen: &mut [RadianceSample],
+        (paths, at, mask): (&RayTreeStream<E>, usize, u8),
+        radiances: &mut [RadianceSample],
     ) {
         let mut odd = 0;
         if let Some(uv) = surfaces.uv {
-            odd = mask & model.odd_squares(lanes, uv);
+            odd = mask & model.odd_cells(lanes, uv);
         }
-        for (mask, square) in [(mask & !odd, 0), (odd, 1)] {
+        for (mask, cell) in [(mask & !odd, 0), (odd, 1)] {
             if mask != 0 {
-                let (weight, eta) = (lanes.load_vector(&paths.weight, at), lanes.splat(1.0));
-                let phong = model.square(square);
-                let group = HitGroup { phong, surfaces, at, mask, weight, transmits: 0, eta, absorbed: 0 };
-                self.shade_group((lanes, inputs), group, paths, seen);
+                let (throughput, eta) = (lanes.load_vector(&paths.throughput, at), lanes.splat(1.0));
+                let phong = model.cell(cell);
+                let group = HitGroup { phong, surfaces, at, mask, throughput, transmits: 0, eta, absorbed: 0 };
+                self.shade_group((lanes, inputs), group, paths, radiances);
             }
         }
     }
@@ -180,21 +186,21 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(always)]
     fn shade_group<L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         mut group: HitGroup<'_, L>,
-        paths: &TreeStream<E>,
-        seen: &mut [RadianceSample],
+        paths: &RayTreeStream<E>,
+        radiances: &mut [RadianceSample],
     ) {
         if inputs.settings.features.refraction {
-            self.find_interfaces((lanes, inputs), &mut group, paths, seen);
+            self.find_interfaces((lanes, inputs), &mut group, paths, radiances);
             if group.mask == 0 {
                 return;
             }
         }
         self.counts.lanes += L::N as u64;
         self.counts.lanes_used += u64::from(group.mask.count_ones());
-        self.add_emission(lanes, &group, paths, seen);
-        self.sample_lights((lanes, inputs), &group, paths, seen);
+        self.add_emission(lanes, &group, paths, radiances);
+        self.sample_lights((lanes, inputs), &group, paths, radiances);
         self.spawn_rays((lanes, inputs), &group, paths);
     }
 
@@ -204,8 +210,8 @@ impl<E: Element> SpawnedRays<E> {
         &self,
         lanes: L,
         group: &HitGroup<'_, L>,
-        paths: &TreeStream<E>,
-        seen: &mut [RadianceSample],
+        paths: &RayTreeStream<E>,
+        radiances: &mut [RadianceSample],
     ) {
         let inside = group.surfaces.surface.inside;
         for (mask, side) in [(group.mask & !inside, 0), (group.mask & inside, 1)] {
@@ -214,10 +220,10 @@ impl<E: Element> SpawnedRays<E> {
                 add_radiance(
                     lanes,
                     mask,
-                    lanes.splat_rgb(radiance).scaled_by(group.weight),
+                    lanes.splat_rgb(radiance).scaled_by(group.throughput),
                     true,
                     paths.branch.vector(group.at),
-                    seen,
+                    radiances,
                 );
             }
         }
@@ -227,12 +233,12 @@ impl<E: Element> SpawnedRays<E> {
     #[inline(always)]
     fn sample_lights<L: LaneSet<Element = E>>(
         &mut self,
-        (lanes, inputs): (L, &TreeInputs<'_>),
+        (lanes, inputs): (L, &RayTreeInputs<'_>),
         group: &HitGroup<'_, L>,
-        paths: &TreeStream<E>,
-        seen: &mut [RadianceSample],
+        paths: &RayTreeStream<E>,
+        radiances: &mut [RadianceSample],
     ) {
-        let &TreeInputs { settings, appearance, .. } = inputs;
+        let &RayTreeInputs { settings, appearance, .. } = inputs;
         let &HitGroup { phong, surfaces: &HitSurfaces { points, surface, normals, .. }, at, mask, .. } = group;
         let (direction, &ShadingNormals { normal, shadow_origin, .. }) = (surface.direction, normals);
         let zero = lanes.splat(0.0);
@@ -259,9 +265,9 @@ impl<E: Element> SpawnedRays<E> {
                 }
                 let radiance = reflectance.scaled_by(incident.strength) * lanes.splat(light.units.classical_factor());
                 let lit = faced & !lanes.bits(is_zero(radiance));
-                let radiance = radiance.scaled_by(group.weight);
+                let radiance = radiance.scaled_by(group.throughput);
                 if !shadowed {
-                    add_radiance(lanes, lit, radiance, true, paths.branch.vector(at), seen);
+                    add_radiance(lanes, lit, radiance, true, paths.branch.vector(at), radiances);
                     continue;
                 }
                 let mut radiance = radiance;
@@ -283,21 +289,21 @@ impl<E: Element> SpawnedRays<E> {
 /// Adds the background to the samples of paths that hit nothing.
 #[inline(always)]
 fn leave_scene<E: Element, L: LaneSet<Element = E>>(
-    (lanes, inputs): (L, &TreeInputs<'_>),
+    (lanes, inputs): (L, &RayTreeInputs<'_>),
     missed: u8,
-    (paths, at): (&TreeStream<E>, usize),
-    seen: &mut [RadianceSample],
+    (paths, at): (&RayTreeStream<E>, usize),
+    radiances: &mut [RadianceSample],
 ) {
     match inputs.appearance.background {
         Background::Constant(radiance) if is_in_range(radiance) => {
-            let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.weight, at));
-            add_radiance(lanes, missed, radiance, false, paths.branch.vector(at), seen);
+            let radiance = lanes.splat_rgb(radiance).scaled_by(lanes.load_vector(&paths.throughput, at));
+            add_radiance(lanes, missed, radiance, false, paths.branch.vector(at), radiances);
         }
         ref background => {
             for lane in each_lane(missed) {
                 let (ray, _) = paths.rays.get(at + lane);
-                let radiance = paths.weight(at + lane) * background.radiance(ray.direction);
-                seen[paths.branch.get(at + lane) as usize].radiance += radiance;
+                let radiance = paths.throughput(at + lane) * background.radiance(ray.direction);
+                radiances[paths.branch.get(at + lane) as usize].radiance += radiance;
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Streams of rays with the numbers of their paths.
 
-use super::tree_path::TreePath;
+use super::ray_tree_path::RayTreePath;
 use crate::{
     InteriorList,
     interior_list::InteriorLists,
@@ -13,19 +13,19 @@ use rt_math::{Interval, Ray, Rgb, Vector3};
 
 /// Rays of paths, one array for each number.
 #[derive(Clone, Debug, Default)]
-pub(super) struct TreeStream<E: Element> {
+pub(super) struct RayTreeStream<E: Element> {
     pub(super) rays: RayStream,
     /// Index of the branch of the ray tree.
     pub(super) branch: StreamArray<u32>,
     /// Bounces so far.
     pub(super) depth: StreamArray<u32>,
     /// Weight of its radiance in the pixel.
-    pub(super) weight: [StreamArray<E>; 3],
+    pub(super) throughput: [StreamArray<E>; 3],
     /// Media around the rays; not written in scenes without refraction.
     pub(super) media: StreamArray<RayMedia>,
 }
 
-impl<E: Element> TreeStream<E> {
+impl<E: Element> RayTreeStream<E> {
     pub(super) const fn len(&self) -> usize {
         self.rays.len()
     }
@@ -45,14 +45,14 @@ impl<E: Element> TreeStream<E> {
             *branch = number;
         }
         self.depth.as_mut_slice().fill(0);
-        for weight in &mut self.weight {
-            weight.as_mut_slice().fill(E::rounded(1.0));
+        for throughput in &mut self.throughput {
+            throughput.as_mut_slice().fill(E::rounded(1.0));
         }
     }
 
     /// Lets all rays start in these media: one list for all of them, or one for each; none for air.
-    pub(super) fn start_in(&mut self, surroundings: &[InteriorList], lists: &mut InteriorLists) {
-        let mut ranges = surroundings.iter().map(|list| lists.push(list)).collect::<Vec<_>>().into_iter().cycle();
+    pub(super) fn start_in(&mut self, camera_media: &[InteriorList], lists: &mut InteriorLists) {
+        let mut ranges = camera_media.iter().map(|list| lists.push(list)).collect::<Vec<_>>().into_iter().cycle();
         for media in self.media.as_mut_slice() {
             *media = RayMedia::new(ranges.next().unwrap_or_default());
         }
@@ -66,13 +66,13 @@ impl<E: Element> TreeStream<E> {
         lanes: L,
         mask: u8,
         rays: [Vector3<L::D>; 2],
-        weight: Vector3<L::F>,
+        throughput: Vector3<L::F>,
         (paths, at, has_time): (&Self, usize, bool),
     ) {
         let end = self.len();
         let time = times(lanes, &paths.rays, at, has_time);
         append(lanes, &mut self.rays, mask, rays, (lanes.splat_f64(f64::INFINITY), time));
-        lanes.compress_vector(weight, mask, &mut self.weight, end);
+        lanes.compress_vector(throughput, mask, &mut self.throughput, end);
         let mut depth = *paths.depth.vector(at);
         depth.iter_mut().for_each(|depth| *depth = depth.wrapping_add(1));
         lanes.compress_u32(&depth, mask, self.depth.vector_mut(end));
@@ -80,27 +80,27 @@ impl<E: Element> TreeStream<E> {
     }
 
     #[inline(always)]
-    pub(super) fn push(&mut self, ray: &Ray, span: Interval, path: &TreePath) {
+    pub(super) fn push(&mut self, ray: &Ray, span: Interval, path: &RayTreePath) {
         let at = self.len();
         self.rays.push(ray, span);
         self.branch.set(at, path.branch);
         self.depth.set(at, path.depth);
         self.media.set(at, path.media);
-        let ([r, g, b], weight) = (&mut self.weight, path.weight);
-        r.set(at, E::rounded(weight.r));
-        g.set(at, E::rounded(weight.g));
-        b.set(at, E::rounded(weight.b));
+        let ([r, g, b], throughput) = (&mut self.throughput, path.throughput);
+        r.set(at, E::rounded(throughput.r));
+        g.set(at, E::rounded(throughput.g));
+        b.set(at, E::rounded(throughput.b));
     }
 
     #[inline(always)]
-    pub(super) fn get(&self, at: usize) -> TreePath {
+    pub(super) fn get(&self, at: usize) -> RayTreePath {
         let [branch, depth] = [self.branch.get(at), self.depth.get(at)];
-        TreePath { branch, depth, weight: self.weight(at), media: self.media.get(at) }
+        RayTreePath { branch, depth, throughput: self.throughput(at), media: self.media.get(at) }
     }
 
     #[inline(always)]
-    pub(super) fn weight(&self, at: usize) -> Rgb {
-        let [r, g, b] = &self.weight;
+    pub(super) fn throughput(&self, at: usize) -> Rgb {
+        let [r, g, b] = &self.throughput;
         Rgb::new(r.get(at).into(), g.get(at).into(), b.get(at).into())
     }
 }

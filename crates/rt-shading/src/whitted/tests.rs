@@ -126,7 +126,7 @@ fn absorption_follows_beers_law() {
 
 #[test]
 fn what_stands_inside_glass_is_seen_through_it() {
-    // Into tinted glass, 2 units to an opaque glowing body in it, which is met from its outside.
+    // Into tinted glass, 2 units to an opaque glowing object in it, which is met from its outside.
     let clear = Transmission { coefficient: gray(1.0), fresnel: false };
     let tinted = InteriorMedium { absorption: Rgb::new(0.5, 0.0, 1.0), ..InteriorMedium::clear(1.5) };
     let mut appearance = white_walls_with(Phong { transmission: Some(clear), ..Phong::BLACK }, tinted);

@@ -9,7 +9,7 @@
 //! that of its surfaces in their order, then that of the branches that start there, the last one first. It thus does not depend on the
 //! rest of the wave.
 
-use super::{counts::ShadingCounts, inputs::TreeInputs, lane_phong::LanePhong, streams::TreeStream};
+use super::{counts::ShadingCounts, inputs::RayTreeInputs, lane_phong::LanePhong, streams::RayTreeStream};
 use crate::{
     InteriorList, LaneLevel, RadianceSample,
     interior_list::{InteriorLists, ListRange},
@@ -25,18 +25,18 @@ use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::Rgb;
 
 /// Camera rays, the media around the camera, and the radiance of the rays.
-pub(super) struct TreeBatch<'a> {
+pub(super) struct RayTreeBatch<'a> {
     pub(super) rays: &'a mut RayStream,
     /// One list for all rays, or one for each; none for air.
-    pub(super) surroundings: &'a [InteriorList],
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) camera_media: &'a [InteriorList],
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 #[derive(Clone, Debug, Default)]
-pub(super) struct TreeStreams<E: Element> {
+pub(super) struct RayTreeStreams<E: Element> {
     /// Rays of the current wave, by kind.
-    reflected: TreeStream<E>,
-    refracted: TreeStream<E>,
+    reflected: RayTreeStream<E>,
+    refracted: RayTreeStream<E>,
     hits: HitStream,
     pub(super) spawned: SpawnedRays<E>,
     /// Radiance of each branch; none beyond the last one.
@@ -49,7 +49,7 @@ pub(super) struct TreeStreams<E: Element> {
 /// Refracted rays that wait until all rays are shaded that the mirrored ones of their wave lead to. There are too many for one wave.
 #[derive(Clone, Debug, Default)]
 struct WaitingRays<E: Element> {
-    rays: TreeStream<E>,
+    rays: RayTreeStream<E>,
     /// Numbers of branches, and of entries of interior lists, when they began to wait.
     n_branches: usize,
     n_entries: usize,
@@ -59,8 +59,8 @@ struct WaitingRays<E: Element> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct SpawnedRays<E: Element> {
     /// Rays of the next wave, by kind.
-    pub(super) reflected: TreeStream<E>,
-    pub(super) refracted: TreeStream<E>,
+    pub(super) reflected: RayTreeStream<E>,
+    pub(super) refracted: RayTreeStream<E>,
     /// Shadow rays by light.
     pub(super) lights: DeltaStreams<E>,
     /// Rays of a wave for whose shadow rays there is space.
@@ -83,15 +83,15 @@ pub(super) struct SpawnedRays<E: Element> {
 }
 
 /// Rays of a wave with their closest hits.
-pub(super) type TreeWave<'a, E> = (&'a TreeStream<E>, &'a HitStream);
+pub(super) type RayTreeWave<'a, E> = (&'a RayTreeStream<E>, &'a HitStream);
 
 /// Stage that shades those closest hits of a wave that are shaded in lanes.
-pub(super) struct ShadeTreeHits<'a, W, E: Element> {
+pub(super) struct ShadeRayTreeHits<'a, W, E: Element> {
     pub(super) spawned: &'a mut SpawnedRays<E>,
-    pub(super) inputs: &'a TreeInputs<'a>,
+    pub(super) inputs: &'a RayTreeInputs<'a>,
     pub(super) world: &'a W,
-    pub(super) wave: TreeWave<'a, E>,
-    pub(super) seen: &'a mut [RadianceSample],
+    pub(super) wave: RayTreeWave<'a, E>,
+    pub(super) radiances: &'a mut [RadianceSample],
 }
 
 /// Set of rays of a stream.
@@ -116,18 +116,18 @@ impl RaySet {
     }
 }
 
-impl<E: Element> TreeStreams<E> {
+impl<E: Element> RayTreeStreams<E> {
     /// Traces the ray trees of camera rays, and shades them at a level.
     pub(super) fn trace<W: StreamQueries>(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         level: Option<LaneLevel>,
         world: &mut W,
-        batch: TreeBatch<'_>,
+        batch: RayTreeBatch<'_>,
     ) {
-        let TreeBatch { rays, surroundings, seen } = batch;
-        let n_samples = seen.len();
-        self.start(inputs, rays, surroundings);
+        let RayTreeBatch { rays, camera_media, radiances } = batch;
+        let n_samples = radiances.len();
+        self.start(inputs, rays, camera_media);
         let mut first_kind = RayKind::Primary;
         loop {
             let Self { reflected, refracted, hits, spawned, radiance, .. } = self;
@@ -141,7 +141,7 @@ impl<E: Element> TreeStreams<E> {
                     spawned.group(inputs, &*world, (paths, hits), radiance);
                     E::run(
                         level,
-                        ShadeTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), seen: radiance },
+                        ShadeRayTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), radiances: radiance },
                     );
                 }
             }
@@ -152,19 +152,19 @@ impl<E: Element> TreeStreams<E> {
                 spawned.lights.streams.iter_mut().for_each(|light| light.trace(world));
             }
             for light in &mut spawned.lights.streams {
-                light.add_unblocked(|radiance| radiance, radiance);
+                light.add_unoccluded(|radiance| radiance, radiance);
             }
             if !self.next_wave(n_samples) {
                 break;
             }
         }
-        for (seen, radiance) in seen.iter_mut().zip(&mut self.radiance) {
-            *seen = core::mem::replace(radiance, RadianceSample::MISS);
+        for (radiance_sample, radiance) in radiances.iter_mut().zip(&mut self.radiance) {
+            *radiance_sample = core::mem::replace(radiance, RadianceSample::MISS);
         }
     }
 
     /// Starts with camera rays in these media.
-    fn start(&mut self, inputs: &TreeInputs<'_>, rays: &mut RayStream, surroundings: &[InteriorList]) {
+    fn start(&mut self, inputs: &RayTreeInputs<'_>, rays: &mut RayStream, camera_media: &[InteriorList]) {
         let Self { reflected, refracted, spawned, .. } = self;
         let n_lights = inputs.appearance.lights.len();
         spawned.max_rays = batch_size(n_lights).max(rays.len());
@@ -175,7 +175,7 @@ impl<E: Element> TreeStreams<E> {
         reflected.start(rays);
         if inputs.settings.features.refraction {
             spawned.lists.truncate(0);
-            reflected.start_in(surroundings, &mut spawned.lists);
+            reflected.start_in(camera_media, &mut spawned.lists);
         }
     }
 
@@ -232,9 +232,9 @@ impl<E: Element> SpawnedRays<E> {
     /// Traces shadow rays in scenes with media that these pass. They start in the media of the rays of the wave.
     fn trace_shadow_media<W: StreamQueries>(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         world: &mut W,
-        wave: [&TreeStream<E>; 2],
+        wave: [&RayTreeStream<E>; 2],
     ) {
         let mut ranges = vec![ListRange::default(); self.parents.len()];
         for paths in wave {
@@ -256,10 +256,10 @@ impl<E: Element> SpawnedRays<E> {
     /// Finds the hits that are shaded in lanes, and shades all others.
     fn group<W: StreamQueries>(
         &mut self,
-        inputs: &TreeInputs<'_>,
+        inputs: &RayTreeInputs<'_>,
         world: &W,
-        (paths, hits): TreeWave<'_, E>,
-        seen: &mut [RadianceSample],
+        (paths, hits): RayTreeWave<'_, E>,
+        radiances: &mut [RadianceSample],
     ) {
         let are_all = inputs.phongs.are_complete && world.has_only_primitives();
         self.in_lanes = RaySet::all(are_all);
@@ -281,8 +281,8 @@ impl<E: Element> SpawnedRays<E> {
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
             if let Some(hit) = &mut world.surface(&ray, hits, at, needs) {
-                let seen = &mut seen[paths.branch.get(at) as usize];
-                self.shade_hit(inputs, paths.get(at), &ray, hit, seen);
+                let radiance_sample = &mut radiances[paths.branch.get(at) as usize];
+                self.shade_hit(inputs, paths.get(at), &ray, hit, radiance_sample);
             }
         }
     }

@@ -39,8 +39,8 @@ pub(super) struct HitRecord {
 
 impl HitRecord {
     pub(super) const MISS: Self = Self { t: f32::INFINITY, triangle: u32::MAX };
-    /// A blocked shadow ray.
-    pub(super) const BLOCKED: Self = Self { t: 0.0, triangle: u32::MAX };
+    /// An occluded shadow ray.
+    pub(super) const OCCLUDED: Self = Self { t: 0.0, triangle: u32::MAX };
 
     /// True unless it is a miss.
     pub(super) fn is_hit(&self) -> bool {
@@ -57,8 +57,8 @@ impl From<Option<Hit>> for HitRecord {
 
 impl From<bool> for HitRecord {
     #[inline]
-    fn from(is_blocked: bool) -> Self {
-        if is_blocked { Self::BLOCKED } else { Self::MISS }
+    fn from(is_occluded: bool) -> Self {
+        if is_occluded { Self::OCCLUDED } else { Self::MISS }
     }
 }
 

@@ -33,10 +33,10 @@ pub(super) fn job(job: &Job, options: &RayOptions, figures: &mut RayResults) -> 
         None => None,
     };
     for &kind in &options.accel {
-        let (structure, build) = build(&scene, kind, options)?;
+        let (accelerator, build) = build(&scene, kind, options)?;
         figures.builds.push(build);
         for set in &job.sets {
-            figures.rays.push(rays(&scene, &structure, oracle.as_ref(), set, options)?);
+            figures.rays.push(rays(&scene, &accelerator, oracle.as_ref(), set, options)?);
         }
     }
     Ok(())
@@ -51,15 +51,15 @@ fn build(
     let started = Instant::now();
     loop {
         let watch = Watch::start();
-        let structure = AnyAccelerator::build_with(kind, options.quality, &scene.mesh).map_err(TaskError::other)?;
+        let accelerator = AnyAccelerator::build_with(kind, options.quality, &scene.mesh).map_err(TaskError::other)?;
         let seconds = watch.seconds();
         cpu.push(seconds.cpu);
         wall.push(seconds.wall);
         if cpu.len() >= options.reps as usize || started.elapsed() > PATIENCE {
-            let bytes = structure.memory();
+            let bytes = accelerator.memory();
             let figure = BuildResult {
                 scene: scene.job.scene.clone(),
-                structure: kind.name(),
+                accelerator: kind.name(),
                 quality: options.quality.name(),
                 threads: options.threads,
                 triangles: scene.mesh.data().triangles.len(),
@@ -68,16 +68,16 @@ fn build(
                 bytes,
                 bytes_per_triangle: bytes as f64 / scene.mesh.data().triangles.len() as f64,
                 mesh_bytes: scene.mesh.memory(),
-                shape: TreeShape::of(&structure),
+                shape: TreeShape::of(&accelerator),
             };
-            return Ok((structure, figure));
+            return Ok((accelerator, figure));
         }
     }
 }
 
 fn rays(
     scene: &MeshScene<'_>,
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     oracle: Option<&AnyAccelerator>,
     set: &RayFile,
     options: &RayOptions,
@@ -85,17 +85,17 @@ fn rays(
     let rays = files::read_rays(&set.rays)?;
     let method = Method { query: set.query, batch: options.batch };
     let mut hits = vec![HitRecord::MISS; rays.len()];
-    trace(structure, &scene.mesh, method, &rays, &mut hits);
+    trace(accelerator, &scene.mesh, method, &rays, &mut hits);
     let wrong = match &set.reference {
         Some(path) => Some(wrong(path, &hits, scene, set)?),
         None => None,
     };
-    let differing = oracle.map(|oracle| differing(scene, structure, oracle, method, &rays));
+    let differing = oracle.map(|oracle| differing(scene, accelerator, oracle, method, &rays));
     let hit = hits.iter().filter(|hit| hit.is_hit()).count();
     let (mut cpu, mut wall) = (Vec::new(), Vec::new());
     for _ in 0..options.reps {
         let watch = Watch::start();
-        trace(structure, &scene.mesh, method, &rays, &mut hits);
+        trace(accelerator, &scene.mesh, method, &rays, &mut hits);
         let seconds = watch.seconds();
         std::hint::black_box(&hits);
         cpu.push(rays.len() as f64 / seconds.cpu * 1e-6);
@@ -104,7 +104,7 @@ fn rays(
     Ok(RayResult {
         scene: scene.job.scene.clone(),
         kind: set.kind.clone(),
-        structure: structure.kind().name(),
+        accelerator: accelerator.kind().name(),
         query: set.query,
         batch: options.batch,
         threads: options.threads,
@@ -134,14 +134,14 @@ fn wrong(
 /// Rays that the accelerator answers with other bits than `same_as`, which traces single rays.
 fn differing(
     scene: &MeshScene<'_>,
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     oracle: &AnyAccelerator,
     method: Method,
     rays: &[RayRecord],
 ) -> usize {
     let mut ours = vec![RayAnswer::Miss; rays.len()];
     let mut theirs = ours.clone();
-    trace(structure, &scene.mesh, method, rays, &mut ours);
+    trace(accelerator, &scene.mesh, method, rays, &mut ours);
     trace(oracle, &scene.mesh, Method { batch: None, ..method }, rays, &mut theirs);
     ours.iter().zip(&theirs).filter(|(ours, theirs)| ours != theirs).count()
 }

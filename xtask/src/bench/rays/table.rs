@@ -12,7 +12,7 @@ use crate::{bench::timing_stats::Spread, number::three_digits, table::Table};
 #[derive(Debug, Serialize)]
 pub(super) struct BuildResult {
     pub scene: String,
-    pub structure: &'static str,
+    pub accelerator: &'static str,
     /// Relevant for the wide BVH only.
     pub quality: &'static str,
     pub threads: usize,
@@ -39,8 +39,8 @@ pub(super) struct TreeShape {
 }
 
 impl TreeShape {
-    pub(super) fn of(structure: &AnyAccelerator) -> Self {
-        let BuildStats { nodes, leaves, references, max_depth, sah_cost, .. } = structure.build_stats();
+    pub(super) fn of(accelerator: &AnyAccelerator) -> Self {
+        let BuildStats { nodes, leaves, references, max_depth, sah_cost, .. } = accelerator.build_stats();
         Self { nodes, leaves, references, max_depth, sah_cost }
     }
 }
@@ -50,7 +50,7 @@ impl TreeShape {
 pub(super) struct RayResult {
     pub scene: String,
     pub kind: String,
-    pub structure: &'static str,
+    pub accelerator: &'static str,
     pub query: Query,
     /// Rays of a batch; `None` for single rays.
     pub batch: Option<usize>,
@@ -93,7 +93,7 @@ impl Display for RayResults {
             table.push([
                 figure.scene.clone(),
                 figure.kind.clone(),
-                format!("{}{batch}", figure.structure),
+                format!("{}{batch}", figure.accelerator),
                 figure.mega_rays().shown(three_digits),
                 format!("{} of {}", figure.hits, figure.rays),
                 wrong.unwrap_or_default(),
@@ -107,7 +107,7 @@ impl Display for RayResults {
             table.push([
                 figure.scene.clone(),
                 figure.triangles.to_string(),
-                figure.structure.to_owned(),
+                figure.accelerator.to_owned(),
                 three_digits(figure.cpu_seconds.median * 1e3),
                 three_digits(figure.wall_seconds.median * 1e3),
                 format!("{:.1}", figure.bytes_per_triangle),

@@ -33,13 +33,13 @@ impl<A: Copy + Send + From<Option<Hit>> + From<bool>> Answer for A {}
 
 /// Answers `rays[i]` in `answers[i]`, on the threads of the current pool.
 pub(super) fn trace<A: Answer>(
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     mesh: &TriangleMesh,
     method: Method,
     rays: &[RayRecord],
     answers: &mut [A],
 ) {
-    structure.accept(Trace { mesh, method, rays, answers });
+    accelerator.accept(Trace { mesh, method, rays, answers });
 }
 
 struct Trace<'a, A> {
@@ -52,33 +52,33 @@ struct Trace<'a, A> {
 impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
     type Output = ();
 
-    fn visit<T: Accelerator>(self, structure: &T) {
+    fn visit<T: Accelerator>(self, accelerator: &T) {
         let Self { mesh, method, rays, answers } = self;
         let share = method.batch.unwrap_or(SHARE);
         match (method.batch, method.query) {
             (None, Query::Closest) => for_each_share(rays, answers, share, &|(), rays, answers| {
                 for (record, answer) in rays.iter().zip(answers) {
                     let (ray, span) = record.widen();
-                    *answer = structure.closest(mesh, &ray, span, &mut NoProbe).into();
+                    *answer = accelerator.closest(mesh, &ray, span, &mut NoProbe).into();
                 }
             }),
             (None, Query::Occluded) => for_each_share(rays, answers, share, &|(), rays, answers| {
                 for (record, answer) in rays.iter().zip(answers) {
                     let (ray, span) = record.widen();
-                    *answer = structure.occluded(mesh, &ray, span, &mut NoProbe).into();
+                    *answer = accelerator.occluded(mesh, &ray, span, &mut NoProbe).into();
                 }
             }),
             (Some(_), Query::Closest) => {
                 for_each_share(rays, answers, share, &|batch: &mut Batch<_>, rays, answers| {
                     batch.fill(rays, None);
-                    structure.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
+                    accelerator.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
                     batch.store(answers);
                 })
             }
             (Some(_), Query::Occluded) => {
                 for_each_share(rays, answers, share, &|batch: &mut Batch<_>, rays, answers| {
                     batch.fill(rays, false);
-                    structure.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
+                    accelerator.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
                     batch.store(answers);
                 })
             }

@@ -9,18 +9,18 @@ use rt_tests::{Draw, ShapeSet};
 
 use super::{
     Case, Checks, Conditions, Fallible, cases,
-    scenes::{all_structures, key},
+    scenes::{all_accelerators, key},
 };
 
 cases! {
-    "S37", "nothing, in all structures", "no hit", "bits", nothing;
+    "S37", "nothing, in all accelerators", "no hit", "bits", nothing;
     "S38", "one primitive", "the hits of brute force", "bits", one;
     "S39", "1e6 identical spheres", "the first; depth ≤ 60, built in less than 2 s", "bits", identical;
     "S40", "centroids at 2^−i, i ≤ 1074", "the hits of brute force; depth ≤ 60", "bits", powers_of_two;
     "S41", "all in one plane", "the hits of brute force", "bits", flat;
     "S42", "teapot in a stadium: 1e6 boxes in one 1e9 times as large",
         "the hits of brute force; visits are printed", "bits", stadium;
-    "S43", "rays in the planes that structures split by", "the hits of brute force", "bits", split_planes;
+    "S43", "rays in the planes that accelerators split by", "the hits of brute force", "bits", split_planes;
     "S44", "rays through the corners of 256³ cells", "the hits of brute force", "bits", cell_corners;
     "S45", "a walk through 1e5 cells of a grid", "each sheet in its turn, at its place", "1e-3 cells", long_walk;
     "S48", "the lazy hierarchy asked by 64 threads, 100 runs", "the same tree as by one", "bits", lazy_threads;
@@ -39,13 +39,18 @@ fn solid(min: DVec3, max: DVec3) -> Result<Shape, rt_geometry::ShapeError> {
 }
 
 /// All accelerators against the first, which is brute force.
-fn agree<P: Primitives>(structures: &[AnyAccelerator], primitives: &P, ray: &Ray, checks: &mut Checks) -> Option<Hit> {
-    let (linear, others) = structures.split_first()?;
+fn agree<P: Primitives>(
+    accelerators: &[AnyAccelerator],
+    primitives: &P,
+    ray: &Ray,
+    checks: &mut Checks,
+) -> Option<Hit> {
+    let (linear, others) = accelerators.split_first()?;
     let expected = linear.closest(primitives, ray, Interval::FORWARD, &mut NoProbe);
-    for structure in others {
-        let found = structure.closest(primitives, ray, Interval::FORWARD, &mut NoProbe);
+    for accelerator in others {
+        let found = accelerator.closest(primitives, ray, Interval::FORWARD, &mut NoProbe);
         checks.check(key(found) == key(expected), || {
-            format!("{}: {found:?} instead of {expected:?} for {ray:?}", structure.kind().name())
+            format!("{}: {found:?} instead of {expected:?} for {ray:?}", accelerator.kind().name())
         });
     }
     expected
@@ -58,23 +63,23 @@ fn ray_at(target: &Aabb, draw: &mut Draw) -> Ray {
     Ray::new(origin, point - origin)
 }
 
-fn shallow(structures: &[AnyAccelerator], checks: &mut Checks) {
-    for structure in structures {
-        let depth = structure.build_stats().max_depth;
-        checks.check(depth <= MAX_DEPTH, || format!("{}: depth {depth}", structure.kind().name()));
+fn shallow(accelerators: &[AnyAccelerator], checks: &mut Checks) {
+    for accelerator in accelerators {
+        let depth = accelerator.build_stats().max_depth;
+        checks.check(depth <= MAX_DEPTH, || format!("{}: depth {depth}", accelerator.kind().name()));
     }
 }
 
 fn nothing(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let set = ShapeSet::default();
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
         let mut draw = Draw::of(37, index);
         let ray = Ray::new(draw.point(), draw.point() * draw.pick(&[0.0, 1.0, f64::INFINITY, f64::NAN]));
-        for structure in &structures {
-            let hit = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
-            let blocked = structure.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
-            checks.check(hit.is_none() && !blocked, || format!("{}: {hit:?}", structure.kind().name()));
+        for accelerator in &accelerators {
+            let hit = accelerator.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
+            let occluded = accelerator.occluded(&set, &ray, Interval::FORWARD, &mut NoProbe);
+            checks.check(hit.is_none() && !occluded, || format!("{}: {hit:?}", accelerator.kind().name()));
         }
     });
     Ok(())
@@ -83,10 +88,10 @@ fn nothing(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 fn one(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     for shape in [sphere(DVec3::X, 0.7)?, solid(DVec3::NEG_ONE, DVec3::ONE)?] {
         let set = ShapeSet::of_shapes([shape]);
-        let structures = all_structures(&set)?;
+        let accelerators = all_accelerators(&set)?;
         let target = Aabb::new(DVec3::splat(-1.2), DVec3::splat(1.8));
         checks.of_all(conditions.count(5_000, 500_000), |index, checks| {
-            agree(&structures, &set, &ray_at(&target, &mut Draw::of(38, index)), checks);
+            agree(&accelerators, &set, &ray_at(&target, &mut Draw::of(38, index)), checks);
         });
     }
     Ok(())
@@ -95,23 +100,23 @@ fn one(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 fn identical(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let count = conditions.count(100_000, 1_000_000) as usize;
     let set = ShapeSet::of_shapes(vec![sphere(DVec3::ONE, 0.5)?; count]);
-    let mut structures = Vec::new();
+    let mut accelerators = Vec::new();
     for &kind in AcceleratorKind::ALL {
         let started = Instant::now();
-        let structure = AnyAccelerator::build(kind, &set)?;
+        let accelerator = AnyAccelerator::build(kind, &set)?;
         let seconds = started.elapsed().as_secs_f64();
-        checks.note(format!("{}: built in {seconds:.2} s, depth {}", kind.name(), structure.build_stats().max_depth));
+        checks.note(format!("{}: built in {seconds:.2} s, depth {}", kind.name(), accelerator.build_stats().max_depth));
         checks.check(seconds < BUILD_SECONDS, || format!("{}: built in {seconds:.1} s", kind.name()));
-        structures.push(structure);
+        accelerators.push(accelerator);
     }
-    shallow(&structures, checks);
+    shallow(&accelerators, checks);
     for index in 0..10 {
         let mut draw = Draw::of(39, index);
         let origin = draw.direction() * 9.0;
         let ray = Ray::new(origin, DVec3::ONE + draw.point() * 0.2 - origin);
-        for structure in &structures {
-            let first = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
-            checks.same(first, Some(0), structure.kind().name());
+        for accelerator in &accelerators {
+            let first = accelerator.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
+            checks.same(first, Some(0), accelerator.kind().name());
         }
     }
     Ok(())
@@ -125,15 +130,15 @@ fn powers_of_two(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     };
     let boxes: Vec<Aabb> = (0..=1074).map(at).collect();
     let set = rt_accel::Boxes(&boxes);
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     checks.of_all(conditions.count(1075 * 4, 1075 * 200), |index, checks| {
         let mut draw = Draw::of(40, index);
         let x = exp2(-((index % 1075) as f64));
         let aim = DVec3::new(x, draw.unit() * 1e-3 * x, 0.0);
         let direction = DVec3::new(draw.pick(&[0.0, -0.0, x, 0.1]), draw.pick(&[-1.0, -x]), draw.pick(&[0.0, 0.5]));
-        agree(&structures, &set, &Ray::new(aim - direction, direction), checks);
+        agree(&accelerators, &set, &Ray::new(aim - direction, direction), checks);
     });
-    shallow(&structures, checks);
+    shallow(&accelerators, checks);
     Ok(())
 }
 
@@ -150,7 +155,7 @@ fn flat(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         shapes.push(if (i + j) % 3 == 0 { solid(a, c)? } else { Shape::Triangle(Triangle::new([a, c, d])?) });
     }
     let set = ShapeSet::of_shapes(shapes);
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     checks.of_all(conditions.count(2_000, 200_000), |index, checks| {
         let mut draw = Draw::of(41, index);
         let aim = corner(draw.below(side + 1), draw.below(side + 1));
@@ -161,7 +166,7 @@ fn flat(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
             _ => draw.point() * 3.0,
         };
         let aim = if draw.one_in(2) { aim } else { aim + DVec3::new(draw.unit(), draw.unit(), 0.0) * 0.1 };
-        agree(&structures, &set, &Ray::new(origin, aim - origin), checks);
+        agree(&accelerators, &set, &Ray::new(origin, aim - origin), checks);
     });
     Ok(())
 }
@@ -177,7 +182,7 @@ fn stadium(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     // Solid boxes: a ray that starts in the stadium meets it from inside, behind all the others.
     let shapes: Result<Vec<Shape>, _> = boxes.iter().map(|b| solid(b.min, b.max)).collect();
     let set = ShapeSet::of_shapes(shapes?);
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     let crowd = Aabb::new(DVec3::NEG_ONE, DVec3::ONE);
     let ray = |index: u64| {
         let mut draw = Draw::of(42, index);
@@ -185,16 +190,16 @@ fn stadium(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     };
     let count = conditions.count(100, 400);
     checks.of_all(count, |index, checks| {
-        agree(&structures, &set, &ray(index), checks);
+        agree(&accelerators, &set, &ray(index), checks);
     });
     let rays: Vec<Ray> = (0..count.min(50)).map(ray).collect();
-    for structure in &structures {
+    for accelerator in &accelerators {
         let mut counters = Counters::default();
         for ray in &rays {
-            structure.closest(&set, ray, Interval::FORWARD, &mut counters);
+            accelerator.closest(&set, ray, Interval::FORWARD, &mut counters);
         }
         let per_ray = (counters.total().nodes + counters.total().tests) as f64 / rays.len() as f64;
-        checks.note(format!("{}: {per_ray:.0} nodes and primitives per ray", structure.kind().name()));
+        checks.note(format!("{}: {per_ray:.0} nodes and primitives per ray", accelerator.kind().name()));
     }
     Ok(())
 }
@@ -208,10 +213,10 @@ fn split_planes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         shapes.push(if index % 2 == 0 { sphere(centre, 0.25)? } else { solid(centre, centre + 0.25)? });
     }
     let set = ShapeSet::of_shapes(shapes);
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     let mut planes: [Vec<f64>; 3] = Default::default();
-    for structure in &structures {
-        structure.for_each_box(|node, _| {
+    for accelerator in &accelerators {
+        accelerator.for_each_box(|node, _| {
             for (axis, planes) in planes.iter_mut().enumerate() {
                 planes.extend([node.min[axis], node.max[axis]].iter().filter(|x| x.is_finite()));
             }
@@ -237,7 +242,7 @@ fn split_planes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
             origin[other] = draw.pick(&planes[other]);
             direction[other] = 0.0;
         }
-        agree(&structures, &set, &Ray::new(origin, direction), checks);
+        agree(&accelerators, &set, &Ray::new(origin, direction), checks);
     });
     checks.note(format!("{} planes", planes.iter().map(Vec::len).sum::<usize>()));
     Ok(())
@@ -254,15 +259,15 @@ fn cell_corners(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         shapes.push(sphere(corner, 1.0 / 128.0)?);
     }
     let set = ShapeSet::of_shapes(shapes);
-    let mut structures = all_structures(&set)?;
+    let mut accelerators = all_accelerators(&set)?;
     let fine = UniformGrid::with_resolution(&set, [CELLS; 3])?;
-    structures.push(AnyAccelerator::Grid(fine));
+    accelerators.push(AnyAccelerator::Grid(fine));
     checks.of_all(conditions.count(10_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(44, index);
         let through = DVec3::from([(); 3].map(|()| draw.below(CELLS as usize + 1) as f64)) / f64::from(CELLS);
         let direction = DVec3::from([(); 3].map(|()| draw.pick(&[1.0, -1.0, 1.0, -1.0, 0.0, 0.5, 2.0])));
         let back = draw.pick(&[2.0, 1.0, 0.5, 3.0 / 256.0]);
-        agree(&structures, &set, &Ray::new(through - direction * back, direction), checks);
+        agree(&accelerators, &set, &Ray::new(through - direction * back, direction), checks);
     });
     Ok(())
 }
@@ -304,21 +309,21 @@ fn lazy_threads(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let set = ShapeSet::of_shapes(shapes?);
     let rays: Vec<Ray> =
         (0..THREADS * 16).map(|i| ray_at(&Aabb::new(DVec3::NEG_ONE, DVec3::ONE), &mut Draw::of(48, i))).collect();
-    let ask = |structure: &LazyBih, rays: &mut dyn Iterator<Item = &Ray>| {
-        rays.map(|ray| key(structure.closest(&set, ray, Interval::FORWARD, &mut NoProbe))).collect::<Vec<_>>()
+    let ask = |accelerator: &LazyBih, rays: &mut dyn Iterator<Item = &Ray>| {
+        rays.map(|ray| key(accelerator.closest(&set, ray, Interval::FORWARD, &mut NoProbe))).collect::<Vec<_>>()
     };
     let alone = LazyBih::build(&set)?;
     let expected = ask(&alone, &mut rays.iter());
     let partly = alone.build_stats();
     for run in 0..runs {
-        let structure = LazyBih::build(&set)?;
+        let accelerator = LazyBih::build(&set)?;
         // Each thread starts elsewhere in the same list, and so comes to the same nodes in another order.
         let answers: Vec<_> = std::thread::scope(|scope| {
             let start = |thread: u64| (thread * 16 + run * 5) as usize % rays.len();
             let spawn = |thread: u64| {
-                let (structure, rays) = (&structure, &rays);
+                let (accelerator, rays) = (&accelerator, &rays);
                 let answered = rays.iter().cycle().skip(start(thread)).take(rays.len());
-                scope.spawn(move || (start(thread), ask(structure, &mut answered.into_iter())))
+                scope.spawn(move || (start(thread), ask(accelerator, &mut answered.into_iter())))
             };
             let threads: Vec<_> = (0..THREADS).map(spawn).collect();
             threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect()
@@ -330,7 +335,7 @@ fn lazy_threads(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
             });
             checks.check(right, || format!("run {run}: a thread got other hits"));
         }
-        checks.check(structure == alone, || format!("run {run}: another tree"));
+        checks.check(accelerator == alone, || format!("run {run}: another tree"));
     }
     alone.complete();
     checks.note(format!("{} nodes of {} were split", partly.nodes, alone.build_stats().nodes));

@@ -5,7 +5,7 @@ use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Plane, Shape};
 use rt_math::{DVec3, Interval, Ray, float::UNIT_ROUNDOFF};
 use rt_tests::{Draw, ShapeSet};
 
-use super::{Case, Checks, Conditions, Fallible, Tolerance, cases, scenes::all_structures};
+use super::{Case, Checks, Conditions, Fallible, Tolerance, cases, scenes::all_accelerators};
 
 cases! {
     "S11", "the diagonal of a box", "t = 1 on face x, then 2", "bits", diagonal;
@@ -92,14 +92,14 @@ fn horizon(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
 fn coplanar(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let plane = |point: DVec3| Plane::new(point, DVec3::Z).map(Shape::Plane);
     let set = ShapeSet::of_shapes([plane(DVec3::ZERO)?, plane(DVec3::ZERO)?]);
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(15, index);
         let origin = draw.point() * 10.0;
         let ray = Ray::new(origin, DVec3::new(draw.unit(), draw.unit(), -origin.z) * draw.between(0.1, 10.0));
-        for structure in &structures {
-            let first = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
-            checks.same(first, Some(0), structure.kind().name());
+        for accelerator in &accelerators {
+            let first = accelerator.closest(&set, &ray, Interval::FORWARD, &mut NoProbe).map(|hit| hit.primitive);
+            checks.same(first, Some(0), accelerator.kind().name());
         }
     });
     Ok(())

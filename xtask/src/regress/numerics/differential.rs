@@ -7,11 +7,11 @@ use rt_tests::{Draw, Seams, ShapeKind, ShapeSet, span_at};
 
 use super::{
     Case, Checks, Conditions, Fallible, cases,
-    scenes::{all_structures, key},
+    scenes::{all_accelerators, key},
 };
 
 cases! {
-    "differential", "all structures × all shapes, random and adversarial rays",
+    "differential", "all accelerators × all shapes, random and adversarial rays",
         "closest, any and all hits of brute force", "bits", every_shape;
     "S46", "mixed shapes at offsets 0…1e7 and scale 1e-4, adversarial rays",
         "the hits of brute force", "bits", far_and_small;
@@ -30,7 +30,7 @@ fn every_shape(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let mut draw = Draw::of(33, index as u64);
         let set = ShapeSet::scattered(std::slice::from_ref(kind), 40, &Transform::IDENTITY, &mut draw);
         let seams = Seams::of(&set, AROUND, &mut draw).including(set.corners());
-        let trial = RayTrial { set: &set, structures: all_structures(&set)?, seed: index as u64 };
+        let trial = RayTrial { set: &set, accelerators: all_accelerators(&set)?, seed: index as u64 };
         checks.of_all(random, |ray, checks| {
             let mut draw = Draw::of(trial.seed + 100, ray);
             trial.compare(ray, &seams.random(&mut draw), kind.name, &mut draw, checks);
@@ -58,7 +58,7 @@ fn far_and_small(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let mut draw = Draw::of(46, index as u64);
         let set = ShapeSet::scattered(ShapeKind::ALL, 130, place, &mut draw);
         let seams = Seams::of(&set, place.aabb(&AROUND), &mut draw).including(set.corners());
-        let trial = RayTrial { set: &set, structures: all_structures(&set)?, seed: index as u64 };
+        let trial = RayTrial { set: &set, accelerators: all_accelerators(&set)?, seed: index as u64 };
         checks.of_all(rays, |ray, checks| {
             let mut draw = Draw::of(trial.seed + 300, ray);
             trial.compare(ray, &seams.adversarial(&mut draw), "mixed", &mut draw, checks);
@@ -71,30 +71,30 @@ fn far_and_small(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 struct RayTrial<'s> {
     set: &'s ShapeSet,
     /// Brute force first.
-    structures: Vec<AnyAccelerator>,
+    accelerators: Vec<AnyAccelerator>,
     seed: u64,
 }
 
 impl RayTrial<'_> {
     fn compare(&self, index: u64, ray: &Ray, what: &str, draw: &mut Draw, checks: &mut Checks) {
-        let Some((linear, others)) = self.structures.split_first() else { return };
+        let Some((linear, others)) = self.accelerators.split_first() else { return };
         let ahead = linear.closest(self.set, ray, Interval::FORWARD, &mut NoProbe);
         let span = span_at(|| ahead.map_or(1.0, |hit| hit.t), draw);
         let expected = linear.closest(self.set, ray, span, &mut NoProbe);
         let looks_for_all = index.is_multiple_of(ALL_HITS_EVERY);
         let all_expected = looks_for_all.then(|| all_hits(linear, self.set, ray, span));
-        for structure in others {
-            let found = structure.closest(self.set, ray, span, &mut NoProbe);
-            let name = structure.kind().name();
+        for accelerator in others {
+            let found = accelerator.closest(self.set, ray, span, &mut NoProbe);
+            let name = accelerator.kind().name();
             checks.check(key(found) == key(expected), || {
                 format!("{name}, {what}: {found:?} instead of {expected:?} for {ray:?} {span:?}")
             });
-            let blocked = structure.occluded(self.set, ray, span, &mut NoProbe);
-            checks.check(blocked == expected.is_some(), || {
-                format!("{name}, {what}: occluded {blocked} beside {expected:?} for {ray:?} {span:?}")
+            let occluded = accelerator.occluded(self.set, ray, span, &mut NoProbe);
+            checks.check(occluded == expected.is_some(), || {
+                format!("{name}, {what}: occluded {occluded} beside {expected:?} for {ray:?} {span:?}")
             });
             if let Some(expected) = &all_expected {
-                let found = all_hits(structure, self.set, ray, span);
+                let found = all_hits(accelerator, self.set, ray, span);
                 checks.check(found == *expected, || format!("{name}, {what}: other hits along {ray:?} {span:?}"));
             }
         }
@@ -103,12 +103,12 @@ impl RayTrial<'_> {
 
 /// Bits of all hits, in order.
 fn all_hits<P: Primitives>(
-    structure: &AnyAccelerator,
+    accelerator: &AnyAccelerator,
     primitives: &P,
     ray: &Ray,
     span: Interval,
 ) -> Vec<Option<[u64; 5]>> {
     let mut hits: Vec<Hit> = Vec::new();
-    structure.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
+    accelerator.all_hits(primitives, ray, span, &mut hits, &mut NoProbe);
     hits.into_iter().map(|hit| key(Some(hit))).collect()
 }

@@ -18,7 +18,7 @@ use super::{Case, Checks, Conditions, Fallible, cases};
 cases! {
     "S36", "a smooth ball of 8×8 facets, lit from 80° aside",
         "Lambert's phase function, no dark facet", "2 %", terminator;
-    "S47", "all structures × all scene files (one-picture does it with the program)",
+    "S47", "all accelerators × all scene files (one-picture does it with the program)",
         "one checksum", "bits", one_checksum;
     "S70", "texels that are NaN", "each sample of them counted and black, no other", "exact", nan_texels;
     "S71", "images of 1×1, 1×65536 and 65536×1 pixels",

@@ -15,7 +15,7 @@ use rt_tests::{Draw, icosphere};
 use super::{
     Case, Checks, Conditions, Fallible, cases,
     exact::Dyadic,
-    scenes::{all_structures, key},
+    scenes::{all_accelerators, key},
 };
 
 cases! {
@@ -23,7 +23,7 @@ cases! {
     "S24", "the same at offsets 0…1e7 and scales 1e-3…1e3, in place and as an instance",
         "0 misses", "0", closed_meshes_elsewhere;
     "S25", "rays at the hub of a fan of 1e6 triangles",
-        "the first of those at the least t, in all structures", "bits", fan;
+        "the first of those at the least t, in all accelerators", "bits", fan;
     "S26", "a mesh with T-junctions",
         "misses hit what closes the gap, and are within roundings of the edge; there are some", "0; 64u abs", junctions;
     "S27", "slivers of aspect 1e12, edge-on and across", "a hit on itself with a sound normal, or a miss", "–", slivers;
@@ -80,12 +80,12 @@ fn closed_meshes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 
 /// Rays from around the centre that miss all triangles.
 fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64, checks: &mut Checks) -> Fallible<()> {
-    let structure = Bvh::build(mesh)?;
+    let accelerator = Bvh::build(mesh)?;
     checks.of_all(rays, |index, checks| {
         let mut draw = Draw::of(23, index);
         let origin = centre + draw.point() * (0.4 * scale);
         let ray = Ray::new(origin, mesh.aim(&mut draw) - origin);
-        let hit = structure.closest(mesh, &ray, Interval::FORWARD, &mut NoProbe);
+        let hit = accelerator.closest(mesh, &ray, Interval::FORWARD, &mut NoProbe);
         checks.check(hit.is_some(), || format!("centre {centre}, scale {scale:e}: {ray:?}"));
     });
     Ok(())
@@ -124,14 +124,14 @@ fn misses_of_instance(
         ..MeshData::default()
     };
     let (mesh, _) = TriangleMesh::build(data)?;
-    let structure = Bvh::build(&mesh)?;
+    let accelerator = Bvh::build(&mesh)?;
     let vertices = mesh.data().positions.iter().map(|vertex| place.point(vertex.as_dvec3())).collect();
     let world = Facets { vertices, triangles: triangles.to_vec() };
     checks.of_all(rays, |index, checks| {
         let mut draw = Draw::of(24, index);
         let origin = place.point(draw.point() * 0.4);
         let ray = Ray::new(origin, world.aim(&mut draw) - origin);
-        let hit = structure.closest(&mesh, &place.inverse_ray(&ray), Interval::FORWARD, &mut NoProbe);
+        let hit = accelerator.closest(&mesh, &place.inverse_ray(&ray), Interval::FORWARD, &mut NoProbe);
         checks.check(hit.is_some(), || format!("instance at {}: {ray:?}", place.translation()));
     });
     Ok(())
@@ -148,7 +148,7 @@ fn fan(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         vertices: (0..count).map(rim).chain([hub]).collect(),
         triangles: (0..count).map(|i| [count, i, (i + 1) % count]).collect(),
     };
-    let structures = all_structures(&mesh)?;
+    let accelerators = all_accelerators(&mesh)?;
     let mut tied = 0;
     for index in 0..conditions.count(20, 40) {
         let mut draw = Draw::of(25, index);
@@ -163,9 +163,9 @@ fn fan(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let first = nearest.next().copied();
         tied += nearest.count();
         checks.check(first.is_some(), || format!("a miss from {origin}"));
-        for structure in &structures {
-            let found = structure.closest(&mesh, &ray, Interval::FORWARD, &mut NoProbe);
-            checks.same(key(found), key(first), structure.kind().name());
+        for accelerator in &accelerators {
+            let found = accelerator.closest(&mesh, &ray, Interval::FORWARD, &mut NoProbe);
+            checks.same(key(found), key(first), accelerator.kind().name());
         }
     }
     checks.note(format!("{count} triangles; {tied} further hits at the same t"));

@@ -6,11 +6,11 @@ use rt_geometry::{Hit, Primitives};
 use super::Fallible;
 
 /// One validated accelerator of each kind, brute force first.
-pub(super) fn all_structures<P: Primitives>(primitives: &P) -> Fallible<Vec<AnyAccelerator>> {
+pub(super) fn all_accelerators<P: Primitives>(primitives: &P) -> Fallible<Vec<AnyAccelerator>> {
     let build = |&kind: &AcceleratorKind| {
-        let structure = AnyAccelerator::build(kind, primitives)?;
-        structure.validate(primitives).map_err(|violation| format!("{}: {violation}", kind.name()))?;
-        Ok(structure)
+        let accelerator = AnyAccelerator::build(kind, primitives)?;
+        accelerator.validate(primitives).map_err(|violation| format!("{}: {violation}", kind.name()))?;
+        Ok(accelerator)
     };
     AcceleratorKind::ALL.iter().map(build).collect()
 }

@@ -78,7 +78,7 @@ fn stack(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     };
     let coins: Result<Vec<Cuboid>, _> = (0..COINS).map(coin).collect();
     let set = ShapeSet::of_shapes(coins?.into_iter().map(Shape::Cuboid));
-    let structure = Bvh::build(&set)?;
+    let accelerator = Bvh::build(&set)?;
     checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
         let mut draw = Draw::of(35, index);
         let at = draw.below(COINS - 1);
@@ -97,8 +97,8 @@ fn stack(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         let factor = draw.pick(&[0.01, 0.5, 0.99, 0.999, 1.001, 1.01, 2.0, 1e3, 1e9]);
         let towards = DVec3::new(1.0, factor * gap / to_edge, 0.0);
         let shadow = surface.spawn_shadow_ray_towards(towards, 0.0);
-        let blocked = structure.occluded(&set, &shadow, Interval::SPAWNED, &mut NoProbe);
-        checks.same(blocked, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
+        let occluded = accelerator.occluded(&set, &shadow, Interval::SPAWNED, &mut NoProbe);
+        checks.same(occluded, factor > 1.0, format_args!("coin {at}, rising {factor} gaps on the way out"));
     });
     Ok(())
 }

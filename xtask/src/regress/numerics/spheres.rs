@@ -5,7 +5,7 @@ use rt_geometry::{InteractionFlags, NoProbe, Shape, ShapeHit, Sphere, Transforme
 use rt_math::{DVec3, Interval, Ray, Transform, TransformError, float::UNIT_ROUNDOFF, transcendental::exp2};
 use rt_tests::{Draw, ShapeKind, ShapeSet};
 
-use super::{Case, Checks, Conditions, FOUR_U, Fallible, Tolerance, cases, exact::Dyadic, scenes::all_structures};
+use super::{Case, Checks, Conditions, FOUR_U, Fallible, Tolerance, cases, exact::Dyadic, scenes::all_accelerators};
 
 cases! {
     "S01", "a sphere from 1e8 away, halfway to its silhouette",
@@ -23,7 +23,7 @@ cases! {
         "9.9999991339745962", "4u",
         |_, checks| root(1e-6, [5e-7, 0.0, -10.0], [0.0, 0.0, 1.0], 9.999_999_133_974_596, FOUR_U, checks);
     "S05", "tangents within a step of the silhouette",
-        "a hit up to x = 1, the same in all structures", "bits", tangents;
+        "a hit up to x = 1, the same in all accelerators", "bits", tangents;
     "S06", "directions scaled by 2^k, k = −900…900, all shapes", "t scaled by 2^−k", "bits", scaled_directions;
     "S07", "rays that start on the sphere", "out: nothing; in: the chord 2 cos θ", "1e-12 abs", chords;
     "S08", "a sphere scaled by (1, 1e-6, 1e6) against exact arithmetic",
@@ -53,19 +53,19 @@ fn root(
 /// Beyond the silhouette nothing may be hit, and all must agree wherever the ray starts.
 fn tangents(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let set = ShapeSet::of_shapes([Shape::Sphere(unit_sphere()?)]);
-    let structures = all_structures(&set)?;
+    let accelerators = all_accelerators(&set)?;
     for distance in [0.0, 1.0, 5.0, 1e3, 1e8, 1e15] {
         let mut x = 1.0 - 4.0 * f64::EPSILON;
         while x < 1.0 + 8.0 * f64::EPSILON {
             for turn in 0..3 {
                 let axes = |v: [f64; 3]| DVec3::new(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
                 let ray = Ray::new(axes([x, 0.0, -distance]), axes([0.0, 0.0, 1.0]));
-                for structure in &structures {
-                    let hit = structure.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
+                for accelerator in &accelerators {
+                    let hit = accelerator.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
                     // From its closest point the ray meets the sphere at 0 only if it is a tangent.
                     let expected = if x <= 1.0 && (distance > 0.0 || x == 1.0) { Some(true) } else { None };
                     let expected = if distance == 0.0 && x < 1.0 { Some(true) } else { expected };
-                    checks.same(hit.map(|_| true), expected, format_args!("{} at {x:?}", structure.kind().name()));
+                    checks.same(hit.map(|_| true), expected, format_args!("{} at {x:?}", accelerator.kind().name()));
                 }
             }
             x = x.next_up();

@@ -1,4 +1,4 @@
-//! Place of a primitive in a tree.
+//! Slot of a primitive in a tree.
 
 use crate::wide::leaf::Lane;
 use crate::wide::node::Child;

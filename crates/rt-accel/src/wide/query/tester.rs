@@ -36,7 +36,7 @@ pub(crate) trait PrimitiveKinds {
     fn batch_kernel(&self, index: u32) -> BatchKernel;
 
     /// True if the primitive occludes rays that hit it.
-    fn blocks(&self, index: u32) -> bool;
+    fn casts_shadow(&self, index: u32) -> bool;
 }
 
 /// The caller's primitives and statistics.
@@ -54,8 +54,8 @@ impl<P: Primitives, S: Probe> PrimitiveKinds for Tester<'_, P, S> {
         self.primitives.batch_kernel(index)
     }
 
-    fn blocks(&self, index: u32) -> bool {
-        self.primitives.blocks(index)
+    fn casts_shadow(&self, index: u32) -> bool {
+        self.primitives.casts_shadow(index)
     }
 }
 

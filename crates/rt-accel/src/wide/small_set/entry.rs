@@ -24,7 +24,7 @@ impl SetEntry {
         Self {
             index,
             hit_ids: primitives.hit_ids(index),
-            casts_shadow: primitives.blocks(index),
+            casts_shadow: primitives.casts_shadow(index),
             kernel,
             bounds: match kernel {
                 BatchKernel::Single | BatchKernel::Instance => padded_bounds(primitives, index),

@@ -49,7 +49,7 @@ impl TriangleList {
             others.push(ListOther {
                 bounds: padded_bounds(primitives, index)?,
                 index,
-                casts_shadow: primitives.blocks(index),
+                casts_shadow: primitives.casts_shadow(index),
             });
         }
         (others.len() <= MAX_OTHERS).then(|| Self::of_triangles(&triangles, others))

@@ -22,8 +22,8 @@ struct Yard<'t, T> {
 struct Thing<'t, T> {
     soup: &'t Soup,
     /// Accelerator of an instance; without one, the only solid of the soup.
-    structure: Option<&'t T>,
-    blocks: bool,
+    accelerator: Option<&'t T>,
+    casts_shadow: bool,
 }
 
 impl<T: Accelerator> Primitives for Yard<'_, T> {
@@ -41,48 +41,48 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
         self.occludes_with_stats(index, ray, span, &mut NoProbe)
     }
     fn intersect_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> Option<Hit> {
-        let Thing { soup, structure, .. } = self.things[index as usize];
-        let hit = match structure {
-            Some(structure) => {
+        let Thing { soup, accelerator, .. } = self.things[index as usize];
+        let hit = match accelerator {
+            Some(accelerator) => {
                 self.n_single.fetch_add(1, Ordering::Relaxed);
-                structure.closest(soup, ray, span, probe)
+                accelerator.closest(soup, ray, span, probe)
             }
             None => soup.intersect(0, ray, span),
         };
         hit.map(|hit| Hit { instance: index, ..hit })
     }
     fn occludes_with_stats<S: Probe>(&self, index: u32, ray: &Ray, span: Interval, probe: &mut S) -> bool {
-        let Thing { soup, structure, blocks } = self.things[index as usize];
-        blocks
-            && match structure {
-                Some(structure) => {
+        let Thing { soup, accelerator, casts_shadow } = self.things[index as usize];
+        casts_shadow
+            && match accelerator {
+                Some(accelerator) => {
                     self.n_single.fetch_add(1, Ordering::Relaxed);
-                    structure.occluded(soup, ray, span, probe)
+                    accelerator.occluded(soup, ray, span, probe)
                 }
                 None => soup.occludes(0, ray, span),
             }
     }
     fn batch_kernel(&self, index: u32) -> BatchKernel {
-        let Thing { soup, structure, .. } = self.things[index as usize];
-        if structure.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
+        let Thing { soup, accelerator, .. } = self.things[index as usize];
+        if accelerator.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
     }
     fn hit_ids(&self, index: u32) -> [u32; 2] {
         [index, 0]
     }
-    fn blocks(&self, index: u32) -> bool {
-        self.things[index as usize].blocks
+    fn casts_shadow(&self, index: u32) -> bool {
+        self.things[index as usize].casts_shadow
     }
     fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        let Thing { soup, structure, .. } = self.things[index as usize];
-        structure.unwrap().closest_batch(soup, rays, hits, probe);
+        let Thing { soup, accelerator, .. } = self.things[index as usize];
+        accelerator.unwrap().closest_batch(soup, rays, hits, probe);
         hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
     }
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], blocked: &mut [bool], probe: &mut S) {
-        let Thing { soup, structure, blocks } = self.things[index as usize];
-        if blocks {
-            structure.unwrap().occluded_batch(soup, rays, blocked, probe);
+    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+        let Thing { soup, accelerator, casts_shadow } = self.things[index as usize];
+        if casts_shadow {
+            accelerator.unwrap().occluded_batch(soup, rays, occluded, probe);
         } else {
-            blocked.fill(false);
+            occluded.fill(false);
         }
     }
 }
@@ -101,14 +101,14 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
                 Soup((0..n).map(|_| draw.pick(&pool)).collect()).rounded().scaled(scale).moved(offset)
             })
             .collect();
-        let structures: Vec<T> = soups.iter().map(build).collect();
+        let accelerators: Vec<T> = soups.iter().map(build).collect();
         let things = soups
             .iter()
-            .zip(&structures)
-            .map(|(soup, structure)| Thing {
+            .zip(&accelerators)
+            .map(|(soup, accelerator)| Thing {
                 soup,
-                structure: (soup.0.len() > 1 || draw.one_in(8)).then_some(structure),
-                blocks: !draw.one_in(4),
+                accelerator: (soup.0.len() > 1 || draw.one_in(8)).then_some(accelerator),
+                casts_shadow: !draw.one_in(4),
             })
             .collect();
         let yard = Yard { things, n_single: AtomicU32::new(0) };
@@ -119,14 +119,14 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
             let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
-                let (hits, blocked) = trace_batch!(small_set, &yard, rays, &mut counted);
-                let (wide_hits, wide_blocked) = trace_batch!(wide, &yard, rays, &mut Counters::default());
+                let (hits, occluded) = trace_batch!(small_set, &yard, rays, &mut counted);
+                let (wide_hits, wide_occluded) = trace_batch!(wide, &yard, rays, &mut Counters::default());
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&yard, ray, *span, &mut expected);
                     assert_eq!([key(hits[i]), key(wide_hits[i])], [key(hit); 2], "{name}");
-                    let is_blocked = brute_force::occluded(&yard, ray, *span, &mut expected);
-                    assert_eq!([blocked[i], wide_blocked[i]], [is_blocked; 2], "{name}");
+                    let is_occluded = brute_force::occluded(&yard, ray, *span, &mut expected);
+                    assert_eq!([occluded[i], wide_occluded[i]], [is_occluded; 2], "{name}");
                     n_hits += usize::from(hit.is_some());
                 }
             }
@@ -154,9 +154,9 @@ fn packets_enter_instances_together() {
     let draw = &mut Draw::new(3);
     let place = |i: usize| DVec3::new((i % 4) as f64, 0.0, (i / 4) as f64) * 2.5;
     let soups: Vec<Soup> = (0..12).map(|i| Soup::facets(draw).moved(place(i))).collect();
-    let structures: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
-    let thing = |(soup, structure)| Thing { soup, structure: Some(structure), blocks: true };
-    let yard = Yard { things: soups.iter().zip(&structures).map(thing).collect(), n_single: AtomicU32::new(0) };
+    let accelerators: Vec<WideBvh> = soups.iter().map(|soup| WideBvh::build(soup).unwrap()).collect();
+    let thing = |(soup, accelerator)| Thing { soup, accelerator: Some(accelerator), casts_shadow: true };
+    let yard = Yard { things: soups.iter().zip(&accelerators).map(thing).collect(), n_single: AtomicU32::new(0) };
     // Groups of sixteen neighbouring rays, as those of a pixel, and five more at the end.
     let eye = DVec3::new(3.7, 9.0, -6.0);
     let rays: Vec<_> = (0..16 * 400 + 5)
@@ -174,7 +174,7 @@ fn packets_enter_instances_together() {
         // A batch of four is a packet of four.
         for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
             yard.n_single.store(0, Ordering::Relaxed);
-            let (mut hits, mut blocked) = (Vec::new(), Vec::new());
+            let (mut hits, mut occluded) = (Vec::new(), Vec::new());
             for rays in rays.chunks(together) {
                 let counters = &mut Counters::default();
                 let (h, b) = if wide {
@@ -183,11 +183,11 @@ fn packets_enter_instances_together() {
                     trace_batch!(small_set, &yard, rays, counters)
                 };
                 hits.extend(h);
-                blocked.extend(b);
+                occluded.extend(b);
             }
             let n_single = yard.n_single.load(Ordering::Relaxed);
             for (i, &hit) in expected.iter().enumerate() {
-                assert_eq!((key(hits[i]), blocked[i]), (key(hit), hit.is_some()));
+                assert_eq!((key(hits[i]), occluded[i]), (key(hit), hit.is_some()));
             }
             let n_hits = hits.iter().flatten().count();
             assert!(n_hits > 2000 && (n_single as usize) < rays.len() / 4, "{n_hits} hits, {n_single} single queries");

@@ -49,22 +49,22 @@ fn small_sets_equal_brute_force() {
             while first < rays.len() {
                 let len = draw.pick(&[1, 3, 5, 8, 13, 64, STREAM_CAPACITY]).min(rays.len() - first);
                 let rays = &rays[first..first + len];
-                let (of_all, blocked) = trace_batch!(all, &soup, rays, &mut counted[0]);
-                let (of_linear, blocked_by_linear) = trace_batch!(linear, &soup, rays, &mut counted[1]);
-                let (of_some, blocked_by_some) = trace_batch!(some, &soup, rays, &mut counted[2]);
+                let (of_all, occluded) = trace_batch!(all, &soup, rays, &mut counted[0]);
+                let (of_linear, occluded_by_linear) = trace_batch!(linear, &soup, rays, &mut counted[1]);
+                let (of_some, occluded_by_some) = trace_batch!(some, &soup, rays, &mut counted[2]);
                 let streamed =
                     trace_stream!(all, &soup, rays, &mut counted_by_streams).expect("a set without instances");
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
-                    assert_eq!((key(streamed.0[i]), streamed.1[i]), (key(of_all[i]), blocked[i]), "{name}");
+                    assert_eq!((key(streamed.0[i]), streamed.1[i]), (key(of_all[i]), occluded[i]), "{name}");
                     let hit = brute_force::closest(&soup, ray, *span, &mut expected);
                     assert_eq!(key(of_all[i]), key(hit), "{name}");
                     assert_eq!(key(of_linear[i]), key(hit), "{name}");
-                    let is_blocked = brute_force::occluded(&soup, ray, *span, &mut expected);
-                    assert_eq!((blocked[i], blocked_by_linear[i]), (is_blocked, is_blocked), "{name}");
+                    let is_occluded = brute_force::occluded(&soup, ray, *span, &mut expected);
+                    assert_eq!((occluded[i], occluded_by_linear[i]), (is_occluded, is_occluded), "{name}");
                     let hit_on_some = brute_force::closest(&smaller, ray, *span, &mut expected_of_some);
-                    let is_blocked_by_some = brute_force::occluded(&smaller, ray, *span, &mut expected_of_some);
-                    assert_eq!(blocked_by_some[i], is_blocked_by_some, "{name}");
+                    let is_occluded_by_some = brute_force::occluded(&smaller, ray, *span, &mut expected_of_some);
+                    assert_eq!(occluded_by_some[i], is_occluded_by_some, "{name}");
                     let renamed = hit_on_some.map(|hit| Hit { primitive: chosen[hit.primitive as usize], ..hit });
                     assert_eq!(key(of_some[i]), key(renamed), "{name}");
                     n_hits += usize::from(hit.is_some());

@@ -11,7 +11,7 @@ use crate::soup::{Solid, Soup, run_seed, sheet};
 use rt_tests::Draw;
 
 /// Compares batches of all sizes with single queries.
-fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+fn compare<A: Accelerator>(name: &str, accelerator: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
@@ -19,13 +19,13 @@ fn compare<A: Accelerator>(name: &str, structure: &A, soup: &Soup, n_rays: usize
         let n = draw.pick(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 64, 1000]).min(rays.len() - first);
         let rays = &rays[first..first + n];
         let mut hits = vec![None; n];
-        let mut blocked = vec![false; n];
-        structure.closest_batch(soup, rays, &mut hits, &mut batched);
-        structure.occluded_batch(soup, rays, &mut blocked, &mut NoProbe);
+        let mut occluded = vec![false; n];
+        accelerator.closest_batch(soup, rays, &mut hits, &mut batched);
+        accelerator.occluded_batch(soup, rays, &mut occluded, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
-            let expected = structure.closest(soup, ray, *span, &mut single);
+            let expected = accelerator.closest(soup, ray, *span, &mut single);
             assert_eq!(key(hits[i]), key(expected), "{name}, ray {}: {ray:?} {span:?}", first + i);
-            assert_eq!(blocked[i], expected.is_some(), "{name}, ray {}: {ray:?} {span:?}", first + i);
+            assert_eq!(occluded[i], expected.is_some(), "{name}, ray {}: {ray:?} {span:?}", first + i);
             n_hits += usize::from(expected.is_some());
         }
         first += n;
@@ -142,13 +142,13 @@ fn the_last_occluder_is_tested_first() {
                 let direction = DVec3::new(if i.is_multiple_of(2) { 1e-3 } else { 1e-3 * turned }, 1.0, -2e-3);
                 (Ray::new(DVec3::new(x + aside, 1.5, 0.3), direction), Interval::FORWARD)
             };
-            let blocked: Vec<_> = (0..512).map(|i| ray(i, 0.0)).collect();
+            let occluded: Vec<_> = (0..512).map(|i| ray(i, 0.0)).collect();
             let nodes_of = |n_together: usize| {
                 let mut counters = Counters::default();
-                for rays in blocked.chunks(n_together) {
+                for rays in occluded.chunks(n_together) {
                     let mut answers = vec![false; rays.len()];
                     tree.occluded_batch(soup, rays, &mut answers, &mut counters);
-                    assert!(answers.iter().all(|blocked| *blocked));
+                    assert!(answers.iter().all(|occluded| *occluded));
                 }
                 counters.total().nodes
             };
@@ -158,8 +158,8 @@ fn the_last_occluder_is_tested_first() {
             let mixed: Vec<_> = (0..512).map(|i| ray(i, if i / 20 % 2 == 0 { 0.0 } else { 40.0 })).collect();
             let mut answers = vec![false; mixed.len()];
             tree.occluded_batch(soup, &mixed, &mut answers, &mut NoProbe);
-            for (i, ((ray, span), blocked)) in mixed.iter().zip(answers).enumerate() {
-                assert_eq!(blocked, brute_force::occluded(soup, ray, *span, &mut NoProbe), "ray {i}");
+            for (i, ((ray, span), occluded)) in mixed.iter().zip(answers).enumerate() {
+                assert_eq!(occluded, brute_force::occluded(soup, ray, *span, &mut NoProbe), "ray {i}");
             }
         }
     }

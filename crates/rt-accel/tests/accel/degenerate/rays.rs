@@ -8,18 +8,18 @@ use rt_accel::{
 use rt_math::Vec3;
 
 use super::{FORWARD, down, rays_at, unit_box};
-use crate::soup::structures::Structures;
+use crate::soup::accelerators::Accelerators;
 use crate::soup::{Solid, Soup};
 use rt_tests::Draw;
 
 #[test]
 fn rays_in_the_planes_of_a_tree_miss_nothing() {
     let soup = Soup::mixed(&mut Draw::new(31));
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let mut draw = Draw::new(32);
     for kind in [AcceleratorKind::Kd, AcceleratorKind::Bsp] {
         let mut cells = Vec::new();
-        all.0.iter().find(|structure| structure.kind() == kind).unwrap().for_each_box(|cell, _| cells.push(cell));
+        all.0.iter().find(|accelerator| accelerator.kind() == kind).unwrap().for_each_box(|cell, _| cells.push(cell));
         assert!(cells.len() > 300, "{}", cells.len());
         for _ in 0..4000 {
             let cell = draw.pick(&cells);
@@ -40,10 +40,10 @@ fn rays_in_walls_and_through_corners_of_cells_miss_nothing() {
     // Unit boxes that fill 8³ cells; walls, edges and corners of cells and of nodes coincide with theirs.
     let corners = (0..512).map(|i| DVec3::new(f64::from(i % 8), f64::from(i / 8 % 8), f64::from(i / 64)));
     let soup = Soup(corners.map(unit_box).collect());
-    let mut all = Structures::build(&soup);
+    let mut all = Accelerators::build(&soup);
     let directions = [-1.0, -0.0, 0.0, 1.0, 0.5];
     for n in [8, 4, 7] {
-        all.0.retain(|structure| structure.kind() != AcceleratorKind::Grid);
+        all.0.retain(|accelerator| accelerator.kind() != AcceleratorKind::Grid);
         all.0.push(AnyAccelerator::Grid(UniformGrid::with_resolution(&soup, [n; 3]).unwrap()));
         for i in 0..125 {
             let direction = DVec3::new(directions[i % 5], directions[i / 5 % 5], directions[i / 25]);
@@ -61,7 +61,7 @@ fn rays_in_walls_and_through_corners_of_cells_miss_nothing() {
 #[test]
 fn spans_are_closed_and_may_be_points() {
     let soup = Soup(vec![unit_box(DVec3::ZERO), unit_box(DVec3::new(0.0, -5.0, 0.0))]);
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let ask = |min, max| all.closest(&soup, &down(0.5, 0.5), Interval::new(min, max)).map(|hit| hit.t);
     assert_eq!(ask(9.0, 9.0), Some(9.0));
     assert_eq!(ask(0.0, 9.0), Some(9.0));
@@ -79,7 +79,7 @@ fn spans_are_closed_and_may_be_points() {
 #[test]
 fn rays_that_are_no_rays_get_the_same_answer_everywhere() {
     let soup = Soup::mixed(&mut Draw::new(11));
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 0.0, -0.0, 5e-324, 1.0];
     let mut draw = Draw::new(12);
     for _ in 0..4000 {
@@ -93,16 +93,16 @@ fn rays_that_are_no_rays_get_the_same_answer_everywhere() {
 #[test]
 fn batches_equal_single_queries() {
     let soup = Soup::mixed(&mut Draw::new(21));
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let rays: Vec<_> =
         rays_at(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), 100).into_iter().map(|ray| (ray, FORWARD)).collect();
     let mut hits = vec![None; 100];
-    let mut blocked = vec![false; 100];
+    let mut occluded = vec![false; 100];
     all.bvh().closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
-    all.bvh().occluded_batch(&soup, &rays, &mut blocked, &mut NoProbe);
+    all.bvh().occluded_batch(&soup, &rays, &mut occluded, &mut NoProbe);
     for (i, (ray, span)) in rays.iter().enumerate() {
         assert_eq!(hits[i], all.closest(&soup, ray, *span));
-        assert_eq!(blocked[i], hits[i].is_some());
+        assert_eq!(occluded[i], hits[i].is_some());
     }
 }
 
@@ -146,8 +146,8 @@ fn spheres_whose_squares_vanish_are_hit_and_missed_as_they_are() {
                 let tree = WideBvh::build_with(&soup, &params).expect("three spheres").with_level(level);
                 let found = tree.closest(&soup, &ray, span, &mut NoProbe);
                 assert_eq!(found, expected, "{aside} of {scale}");
-                let blocked = tree.occluded(&soup, &ray, span, &mut NoProbe);
-                assert_eq!(blocked, is_hit, "{aside} of {scale}");
+                let occluded = tree.occluded(&soup, &ray, span, &mut NoProbe);
+                assert_eq!(occluded, is_hit, "{aside} of {scale}");
             }
         }
     }

@@ -6,14 +6,14 @@ use rt_accel::{
 };
 
 use super::{FORWARD, down, exp2, rays_at, unit_box};
-use crate::soup::structures::{Structures, tests_per_ray};
+use crate::soup::accelerators::{Accelerators, tests_per_ray};
 use crate::soup::{Solid, Soup, sheet};
 use rt_tests::Draw;
 
 #[test]
 fn nothing_is_never_hit() {
     let soup = Soup::default();
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     assert_eq!(all.closest(&soup, &down(0.0, 0.0), FORWARD), None);
     assert_eq!(all.bvh().build_stats().leaves, 0);
     assert_eq!(all.closest(&soup, &Ray::new(DVec3::NAN, DVec3::NAN), FORWARD), None);
@@ -22,7 +22,7 @@ fn nothing_is_never_hit() {
 #[test]
 fn one_primitive_is_hit() {
     let soup = Soup(vec![unit_box(DVec3::ZERO)]);
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     assert_eq!(all.closest(&soup, &down(0.5, 0.5), FORWARD).unwrap().t, 9.0);
     assert_eq!(all.closest(&soup, &down(2.0, 0.5), FORWARD), None);
     assert_eq!((all.bvh().build_stats().nodes, all.bvh().build_stats().leaves), (0, 1));
@@ -32,7 +32,7 @@ fn one_primitive_is_hit() {
 fn of_identical_primitives_the_first_wins() {
     for count in [2, 3, 9, 100] {
         let soup = Soup(vec![unit_box(DVec3::ZERO); count]);
-        let all = Structures::build(&soup);
+        let all = Accelerators::build(&soup);
         let hit = all.closest(&soup, &down(0.5, 0.5), FORWARD).unwrap();
         assert_eq!((hit.t, hit.primitive), (9.0, 0));
     }
@@ -55,14 +55,14 @@ fn equal_t_goes_to_the_lower_instance_before_the_lower_primitive() {
         }
     }
     let set = Reversed(Soup(vec![unit_box(DVec3::ZERO); 50]));
-    let hit = Structures::build(&set).closest(&set, &down(0.5, 0.5), FORWARD).unwrap();
+    let hit = Accelerators::build(&set).closest(&set, &down(0.5, 0.5), FORWARD).unwrap();
     assert_eq!((hit.instance, hit.primitive), (51, 49));
 }
 
 #[test]
 fn identical_centroids_are_halved_into_small_leaves() {
     let soup = Soup(vec![Solid::Ghost(Aabb::new(DVec3::ONE, DVec3::splat(2.0))); 200_000]);
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let stats = all.bvh().build_stats();
     assert!(stats.leaves >= 200_000 / 8 && stats.max_depth <= 16, "{stats:?}");
     let grid = all.grid().build_stats();
@@ -71,7 +71,7 @@ fn identical_centroids_are_halved_into_small_leaves() {
     // The same centroid, but all of different size.
     let nested = |i: u64| Aabb::new(DVec3::splat(-(i as f64)), DVec3::splat(i as f64));
     let soup = Soup((1..3000).map(|i| Solid::Box(nested(i))).collect());
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     assert_eq!(all.closest(&soup, &Ray::new(DVec3::ZERO, DVec3::X), FORWARD).unwrap().primitive, 0);
     assert_eq!(all.closest(&soup, &Ray::new(DVec3::X * 1e4, DVec3::NEG_X), FORWARD).unwrap().primitive, 2998);
 }
@@ -85,9 +85,9 @@ fn a_million_identical_boxes_are_one_leaf_of_a_partition() {
     // With something else around, it is cut off.
     let mut soup = Soup(vec![Solid::Ghost(Aabb::new(DVec3::ONE, DVec3::splat(2.0))); 10_000]);
     soup.0.extend([unit_box(DVec3::splat(50.0)), unit_box(DVec3::splat(-50.0))]);
-    let all = Structures::build(&soup);
-    for structure in &all.0[1..] {
-        assert!(tests_per_ray(structure, &soup, &[down(50.5, 50.5)]) < 20.0, "{}", structure.kind().name());
+    let all = Accelerators::build(&soup);
+    for accelerator in &all.0[1..] {
+        assert!(tests_per_ray(accelerator, &soup, &[down(50.5, 50.5)]) < 20.0, "{}", accelerator.kind().name());
     }
 }
 
@@ -128,7 +128,7 @@ fn denormal_and_huge_coordinates_are_divided_where_they_can_be() {
 fn flat_scenes_are_divided_along_the_plane() {
     for flat in [|x, z| DVec3::new(x, 0.0, z), |x, z| DVec3::new(x, z, 0.0), |x, z| DVec3::new(-3.0, x, z)] {
         let soup = Soup(sheet(40, flat).collect());
-        let all = Structures::build(&soup);
+        let all = Accelerators::build(&soup);
         let resolution = all.grid().resolution();
         assert!(resolution.contains(&1) && resolution.iter().max() > Some(&40), "{resolution:?}");
         let world = Aabb::from_points(soup.0.iter().filter_map(Solid::bounds).flat_map(|b| b.corners()));
@@ -145,7 +145,7 @@ fn flat_scenes_are_divided_along_the_plane() {
 #[test]
 fn scenes_on_a_line_are_divided_along_it() {
     let soup = Soup((0..1000).map(|i| unit_box(DVec3::new(0.0, 0.0, 3.0 * f64::from(i)))).collect());
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     assert!(all.grid().resolution()[2] > 500, "{:?}", all.grid().resolution());
     let along = Ray::new(DVec3::new(0.5, 0.5, 1e4), DVec3::NEG_Z);
     assert_eq!(all.closest(&soup, &along, FORWARD).unwrap().primitive, 999);
@@ -170,7 +170,7 @@ fn a_teapot_in_a_stadium_costs_the_tree_little() {
         let corner = draw.point();
         soup.0.push(Solid::Box(Aabb::new(corner, corner + 1e-3)));
     }
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let mut rays = rays_at(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), 50);
     rays.extend(rays_at(&stadium, 50));
     for ray in &rays {
@@ -188,7 +188,7 @@ fn trees_over_powers_of_two_stay_shallow() {
     // Around the centre of the tree all of f32's exponents are there to split by, and each place is crowded.
     let two_sided = Soup((-140..120).flat_map(|i| [exp2(i), -exp2(i)]).flat_map(|x| [at(x); 50]).collect());
     for (soup, min_depth) in [(one_sided, 10), (two_sided, 45)] {
-        let all = Structures::build(&soup);
+        let all = Accelerators::build(&soup);
         let depth = all.bvh().build_stats().max_depth;
         assert!((min_depth..=60).contains(&depth), "depth {depth}");
         for i in -140..0 {
@@ -202,7 +202,7 @@ fn unbounded_primitives_are_found_behind_and_before_others() {
     let mut soup = Soup::spheres(50, &mut Draw::new(6));
     soup.0.insert(10, Solid::Ground { height: 0.0 });
     soup.0.push(Solid::Ground { height: 0.0 });
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     assert_eq!(all.bvh().build_stats().unbounded, 2);
     assert_eq!(all.grid().build_stats().unbounded, 2);
     assert_eq!(all.linear().build_stats().unbounded, 2);
@@ -215,7 +215,7 @@ fn unbounded_primitives_are_found_behind_and_before_others() {
     assert!((50..450).contains(&grounds), "{grounds}");
 
     let only = Soup(vec![Solid::Ground { height: 1.0 }]);
-    assert_eq!(Structures::build(&only).closest(&only, &down(1e9, -1e9), FORWARD).unwrap().t, 9.0);
+    assert_eq!(Accelerators::build(&only).closest(&only, &down(1e9, -1e9), FORWARD).unwrap().t, 9.0);
 }
 
 #[test]
@@ -223,7 +223,7 @@ fn culling_is_as_good_far_from_the_origin_as_at_it() {
     for offset in [0.0, 1e3, 1e5, 1e7] {
         let offset = DVec3::new(1.0, -0.7, 0.3) * offset;
         let soup = Soup::spheres(5000, &mut Draw::new(8)).moved(offset);
-        let all = Structures::build(&soup);
+        let all = Accelerators::build(&soup);
         let rays = rays_at(&Aabb::new(offset - 1.0, offset + 1.0), 200);
         for ray in &rays {
             all.closest(&soup, ray, FORWARD);

@@ -6,7 +6,7 @@ use rt_accel::{
 };
 
 use super::unit_box;
-use crate::soup::structures::Structures;
+use crate::soup::accelerators::Accelerators;
 use crate::soup::{Solid, Soup};
 use rt_tests::Draw;
 
@@ -63,7 +63,7 @@ fn too_many_primitives_or_cells_are_refused() {
 #[test]
 fn memory_is_what_the_parts_add_up_to() {
     let soup = Soup::spheres(10_000, &mut Draw::new(2));
-    let all = Structures::build(&soup);
+    let all = Accelerators::build(&soup);
     let (tree, grid) = (all.bvh().build_stats(), all.grid().build_stats());
     assert_eq!(tree.references, 10_000);
     assert_eq!(tree.leaves, tree.nodes + 1);
@@ -78,10 +78,10 @@ fn memory_is_what_the_parts_add_up_to() {
 }
 
 #[test]
-fn structures_notice_that_primitives_have_changed() {
+fn accelerators_notice_that_primitives_have_changed() {
     let mut soup = Soup::spheres(300, &mut Draw::new(1));
-    let all = Structures::build(&soup);
-    let verdicts = |soup: &Soup| all.0[1..].iter().map(|structure| structure.validate(soup)).collect::<Vec<_>>();
+    let all = Accelerators::build(&soup);
+    let verdicts = |soup: &Soup| all.0[1..].iter().map(|accelerator| accelerator.validate(soup)).collect::<Vec<_>>();
     let each = |verdict| vec![verdict; all.0.len() - 1];
 
     let last = soup.0.pop().unwrap();

@@ -3,8 +3,8 @@
 //! The equality of accelerators must hold for any kernel that keeps the contract of `Primitives`, so accuracy does not
 //! matter here.
 
+pub(crate) mod accelerators;
 pub(crate) mod rays;
-pub(crate) mod structures;
 
 use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray, SphereKernel};
 use rt_geometry::{BatchKernel, Plane, WatertightRay};

@@ -11,13 +11,13 @@ const CONFIDENCE: f64 = 0.95;
 
 /// Mean with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Interval {
+pub(super) struct ConfidenceInterval {
     pub(super) low: f64,
     pub(super) mean: f64,
     pub(super) high: f64,
 }
 
-impl Interval {
+impl ConfidenceInterval {
     /// Interval by Student's t; `None` for fewer than two values, or if one is not finite.
     pub(super) fn of(values: &[f64]) -> Option<Self> {
         let (mean, error) = mean_and_error(values)?;
@@ -89,18 +89,18 @@ impl Repetitions {
     }
 
     /// Root of mean squared errors, by the mean of its logarithm.
-    pub(super) fn root_mean(self, squares: &[f64]) -> Option<Interval> {
+    pub(super) fn root_mean(self, squares: &[f64]) -> Option<ConfidenceInterval> {
         let rows: Vec<Vec<f64>> = squares.iter().map(|&square| vec![square]).collect();
         let logs = self.values(&rows, |row| Some(0.5 * log(row[0])))?;
-        Interval::of(&logs).map(|interval| interval.map(exp))
+        ConfidenceInterval::of(&logs).map(|interval| interval.map(exp))
     }
 
     /// The slope of the logarithm of the root of `squares` against log `x`, by least squares. `None` if there are fewer than
     /// two different `x` or two repetitions, or a logarithm of a number that is not positive.
-    pub(super) fn slope(self, x: &[f64], squares: &[Vec<f64>]) -> Option<Interval> {
+    pub(super) fn slope(self, x: &[f64], squares: &[Vec<f64>]) -> Option<ConfidenceInterval> {
         let x: Vec<f64> = x.iter().map(|&x| log(x)).collect();
         let of_roots = |squares: &[f64]| slope(&x, &squares.iter().map(|&y| 0.5 * log(y)).collect::<Vec<_>>());
-        Interval::of(&self.values(squares, of_roots)?)
+        ConfidenceInterval::of(&self.values(squares, of_roots)?)
     }
 }
 
@@ -164,14 +164,14 @@ mod tests {
     #[test]
     fn intervals_are_those_of_the_tables() {
         // t(0.975) with 7 degrees of freedom is 2.3646, and the deviation of 1 to 8 is √6.
-        let interval = Interval::of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]).expect("eight values");
+        let interval = ConfidenceInterval::of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]).expect("eight values");
         let half = 2.364_624_251 * (6.0f64 / 8.0).sqrt();
         assert_eq!(interval.mean, 4.5);
         assert!((interval.high - 4.5 - half).abs() < 1e-8 && (4.5 - interval.low - half).abs() < 1e-8, "{interval:?}");
-        let two = Interval::of(&[0.0, 2.0]).expect("two values");
+        let two = ConfidenceInterval::of(&[0.0, 2.0]).expect("two values");
         assert!((two.high - 1.0 - 12.706_204_736).abs() < 1e-7, "{two:?}");
         for bad in [&[][..], &[1.0], &[1.0, f64::NAN], &[f64::NEG_INFINITY, 1.0]] {
-            assert_eq!(Interval::of(bad), None, "{bad:?}");
+            assert_eq!(ConfidenceInterval::of(bad), None, "{bad:?}");
         }
     }
 
@@ -200,7 +200,7 @@ mod tests {
     }
 
     /// Share of intervals that contain the truth.
-    fn coverage(interval: impl Fn(u64) -> Option<Interval>, truth: f64) -> f64 {
+    fn coverage(interval: impl Fn(u64) -> Option<ConfidenceInterval>, truth: f64) -> f64 {
         let trials = 2000;
         let holds = |&trial: &u64| {
             let interval = interval(trial).expect("repetitions");

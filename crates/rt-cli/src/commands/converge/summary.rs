@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::methods::MethodName;
 use super::reference::{Floor, Reference};
 use super::runner::{Experiment, Measured, Point, Run};
-use super::statistics::{Interval, Repetitions, TimeToError, mean, mean_and_error, median, time_to_error};
+use super::statistics::{ConfidenceInterval, Repetitions, TimeToError, mean, mean_and_error, median, time_to_error};
 
 /// Minimum ratio of a trusted squared error to that of the reference.
 pub(super) const TRUSTED: f64 = 3.0;
@@ -23,9 +23,9 @@ pub(super) struct MethodSummary {
     pub(super) name: MethodName,
     pub(super) points: Vec<PointSummary>,
     /// Slope of log RMSE against log samples per pixel.
-    pub(super) slope_of_samples: Option<Interval>,
+    pub(super) slope_of_samples: Option<ConfidenceInterval>,
     /// Slope of log RMSE against log seconds.
-    pub(super) slope_of_seconds: Option<Interval>,
+    pub(super) slope_of_seconds: Option<ConfidenceInterval>,
     /// Time to the target RMSE.
     #[serde(rename = "arrival")]
     pub(super) time_to_error: Option<TimeToError>,
@@ -39,7 +39,7 @@ pub(super) struct PointSummary {
     /// RMSE of the median over the seeds, which is robust to fireflies.
     pub(super) rmse_median: Option<f64>,
     /// Mean of log RMSE over the seeds and its interval, as errors.
-    pub(super) rmse_interval: Option<Interval>,
+    pub(super) rmse_interval: Option<ConfidenceInterval>,
     pub(super) relative_mse: f64,
     pub(super) bias: f64,
     /// Includes the error of the reference.

@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use super::statistics::{Interval, TimeToError};
+use super::statistics::{ConfidenceInterval, TimeToError};
 use super::summary::{MethodSummary, PointSummary, Summary};
 
 #[derive(Debug)]
@@ -108,7 +108,7 @@ fn fixed(value: f64) -> String {
     format!("{value:.2}")
 }
 
-fn range(interval: Interval, show: fn(f64) -> String) -> String {
+fn range(interval: ConfidenceInterval, show: fn(f64) -> String) -> String {
     format!("{} .. {}", show(interval.low), show(interval.high))
 }
 

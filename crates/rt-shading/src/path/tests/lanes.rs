@@ -76,7 +76,7 @@ const LIT_BY: [LightKinds; 5] = [
 impl TestScene {
     fn new(kinds: LightKinds, scale: f64) -> Self {
         let emission = |sides| Emission::new(LIGHT, sides).expect("light");
-        let mut world = ShapeWorld::new(EMITTERS[0], scale).with_bent_normals();
+        let mut world = ShapeWorld::new(EMITTERS[0], scale).with_shading_normals();
         for primitive in world.0.iter_mut().filter(|primitive| primitive.material == EMITTERS[0]) {
             primitive.material = MISSING;
         }
@@ -198,8 +198,8 @@ fn of_reference(scene: &mut TestScene, settings: PathSettings, rays: &[(Ray, Int
     let bsdfs = BsdfCache::default();
     let TestScene { world, appearance, lights, .. } = scene;
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
-    let (surroundings, counts) = (InteriorList::default(), ShadingCounts::default());
-    let mut reference = ReferencePathTracer { settings, lighting, surroundings, counts };
+    let (camera_media, counts) = (InteriorList::default(), ShadingCounts::default());
+    let mut reference = ReferencePathTracer { settings, lighting, camera_media, counts };
     let li = |((ray, _), mut sampler): (&(Ray, Interval), Independent)| reference.li(world, ray, &mut sampler);
     let seen = rays.iter().zip(samplers(rays.len())).map(li).collect();
     (seen, reference.counts)
@@ -213,7 +213,7 @@ fn assert_radiance_of_reference(scene: &mut TestScene, kinds: LightKinds, rays: 
             let (expected, of_expected) = of_reference(scene, settings, rays);
             let (found, counts) = in_f64(scene, settings, rays);
             assert!(counts.lanes_used > 500, "{counts:?}");
-            assert_eq!(of_expected.passages, counts.passages, "{kinds:?}, {settings:?}");
+            assert_eq!(of_expected.null_interfaces, counts.null_interfaces, "{kinds:?}, {settings:?}");
             // Of a light source itself, and of its reflection, rounding decides whether the source reaches a point or one next to it.
             assert_close(&expected, &found, 1e-7, if kinds.others { 4 } else { 0 }, (kinds, settings));
         }
@@ -429,11 +429,11 @@ fn a_call_with_too_few_samplers_does_nothing() {
 fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_shaded_in_lanes() {
     let scene = TestScene::new(LIT_BY[1], 1.0);
     let in_lanes = |material| scene.has_in_lanes(material);
-    let usual = &scene.appearance.materials[1];
-    let of_model = |model: MaterialModel| Material { model, ..usual.clone() };
+    let plain = &scene.appearance.materials[1];
+    let of_model = |model: MaterialModel| Material { model, ..plain.clone() };
     let grey = ColorTexture::Constant(Rgb::gray(0.5));
     let glossy = |exponent| of_model(MaterialModel::Glossy { diffuse: grey, specular: grey, exponent });
-    let glowing = |emission| Material { emission, ..usual.clone() };
+    let glowing = |emission| Material { emission, ..plain.clone() };
     assert!(scene.appearance.materials.iter().all(|material| in_lanes(material.clone())));
     for other in [glossy(30.0), of_model(MaterialModel::Diffuse { albedo: grey, roughness: 0.3 })] {
         assert!(in_lanes(other.clone()), "{other:?}");
@@ -460,7 +460,7 @@ fn narrow_lobes_textured_materials_and_numbers_out_of_the_range_of_f32_are_not_s
         shiny(1e5),
         glowing(ColorTexture::Constant(Rgb::gray(1e20))),
         glowing(ColorTexture::Textured(crate::TextureId(0), Rgb::WHITE)),
-        Material { interior: Some(InteriorMedium::clear(1.5)), ..usual.clone() },
+        Material { interior: Some(InteriorMedium::clear(1.5)), ..plain.clone() },
         glass(0.05, 1.5),
         glass(0.5, 1.05),
         glass(0.0, 1.0),

@@ -11,7 +11,7 @@ use core::slice::from_ref;
 use rt_geometry::SurfaceInteraction;
 use rt_math::DQuat;
 
-/// Camera rays for each of 126 combinations of settings, surroundings and lights.
+/// Camera rays for each of 126 combinations of settings, media around the camera, and lights.
 const RAYS: u64 = 1200;
 
 /// Settings that end and weigh paths differently.
@@ -27,7 +27,7 @@ fn all_settings() -> impl Iterator<Item = PathSettings> {
 }
 
 /// Shading normal that varies from point to point, by up to about 30 degrees.
-fn bent_normal(hit: &SurfaceHit) -> DVec3 {
+fn tilted_normal(hit: &SurfaceHit) -> DVec3 {
     let SurfaceInteraction { point, shading_normal, .. } = hit.interaction;
     let bend = (point * 3.0 + DVec3::new(0.1, 0.2, 0.3)).fract() - DVec3::splat(0.5);
     (shading_normal + bend * 0.7).normalize()
@@ -158,7 +158,7 @@ fn views(count: u64) -> Vec<Ray> {
 #[test]
 fn every_path_has_the_radiance_of_the_reference() {
     let mut scene = exhibition();
-    scene.world.shading_normal = Some(Box::new(bent_normal));
+    scene.world.shading_normal = Some(Box::new(tilted_normal));
     let lights = scene.light_set();
     let bsdfs = BsdfCache::new(&scene.appearance, |_| true);
     assert!(bsdfs.count().0 > 4, "{:?}", bsdfs.count());
@@ -166,13 +166,16 @@ fn every_path_has_the_radiance_of_the_reference() {
     let (air, water) = (InteriorList::default(), InteriorList::filled_with(3));
     let mixed: Vec<_> = (0..RAYS).map(|at| if at % 2 == 0 { air.clone() } else { water.clone() }).collect();
     for settings in all_settings() {
-        for surroundings in [from_ref(&air), from_ref(&water), &mixed] {
-            let (seen, counts) = trace(&mut scene.world, lighting, settings, surroundings, &views(RAYS));
+        for camera_media in [from_ref(&air), from_ref(&water), &mixed] {
+            let (seen, counts) = trace(&mut scene.world, lighting, settings, camera_media, &views(RAYS));
             // The scene has what is compared. In water, the sphere of air hides what is inside from many rays.
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
-            let (min_lit, min_passages) =
-                if surroundings == from_ref(&air) { (RAYS as usize / 2, RAYS / 3) } else { (RAYS as usize / 20, 0) };
-            assert!(lit > min_lit && counts.passages >= min_passages, "{lit} of {RAYS}, {settings:?}: {counts:?}");
+            let (min_lit, min_null_interfaces) =
+                if camera_media == from_ref(&air) { (RAYS as usize / 2, RAYS / 3) } else { (RAYS as usize / 20, 0) };
+            assert!(
+                lit > min_lit && counts.null_interfaces >= min_null_interfaces,
+                "{lit} of {RAYS}, {settings:?}: {counts:?}"
+            );
             let may_clamp = settings.clamp != Clamp::NONE && settings.max_depth > 0;
             assert_eq!(counts.clamped > RAYS / 30, may_clamp, "{settings:?}: {counts:?}");
         }
@@ -189,11 +192,11 @@ fn every_path_through_smoke_has_the_radiance_of_the_reference() {
     let lighting = Lighting { appearance: &scene.appearance, lights: &lights, bsdfs: &bsdfs };
     let (air, water) = (InteriorList::default(), InteriorList::filled_with(3));
     for settings in all_settings().step_by(3) {
-        for (surroundings, is_air) in [(&air, true), (&water, false)] {
-            let (seen, counts) = trace(&mut scene.world, lighting, settings, from_ref(surroundings), &views(RAYS));
+        for (camera_media, is_air) in [(&air, true), (&water, false)] {
+            let (seen, counts) = trace(&mut scene.world, lighting, settings, from_ref(camera_media), &views(RAYS));
             let lit = seen.iter().filter(|seen| seen.hit && !seen.radiance.is_black()).count();
             assert!(
-                lit > RAYS as usize / 20 && counts.passages > RAYS / 2,
+                lit > RAYS as usize / 20 && counts.null_interfaces > RAYS / 2,
                 "{lit} of {RAYS}, {settings:?}: {counts:?}"
             );
             let in_lanes = counts.lanes_used > 0 || settings.max_depth == 0 || LaneLevel::best().is_none();

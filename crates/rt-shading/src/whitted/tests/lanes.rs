@@ -58,7 +58,7 @@ fn all_materials() -> Appearance {
     }
     phongs.push(Phong { diffuse: checker, specular: checker, ..shiny(Highlight::Phong, 7.0) });
     phongs.push(Phong { ambient: checker, mirror: textured(1), ..shiny(Highlight::Blinn, 7.0) });
-    // Squares of two sizes, and a texture that lanes do not evaluate.
+    // Cells of two sizes, and a texture that lanes do not evaluate.
     phongs.push(Phong { diffuse: checker, specular: textured(2), ..shiny(Highlight::Phong, 2.0) });
     phongs.push(Phong { diffuse: checker, specular: textured(3), ..shiny(Highlight::Phong, 2.0) });
     phongs.push(Phong { diffuse: ColorTexture::ZERO, mirror: color(0.0, 0.1, 0.2), ..shiny(Highlight::Blinn, 9.0) });
@@ -113,7 +113,7 @@ fn appearance(scale: f64) -> Appearance {
 
 /// Shapes of these materials. Every second triangle has interpolated normals, some of which face away from the viewer.
 fn shapes(appearance: &Appearance, scale: f64) -> ShapeWorld {
-    ShapeWorld::new(appearance.materials.len() as u32, scale).with_bent_normals()
+    ShapeWorld::new(appearance.materials.len() as u32, scale).with_shading_normals()
 }
 
 /// Camera rays with what they see.
@@ -212,7 +212,7 @@ fn a_refracted_ray_in_tinted_glass_does_not_know_of_fog_that_the_mirrored_ray_ha
     let view = View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &rays };
     let (expected, counts) = view.one_by_one(&mut world);
     let (found, _) = view.in_f64(&mut world);
-    assert!(counts.passages > 1000 && counts.fresnel > 1000, "{counts:?}");
+    assert!(counts.null_interfaces > 1000 && counts.fresnel > 1000, "{counts:?}");
     assert_close(&expected, &found, 1e-12, 0, "tinted glass and fog");
 }
 
@@ -249,7 +249,7 @@ fn the_worlds_of_these_tests_have_all_cases() {
             .one_by_one(&mut world);
     assert!(seen.iter().any(|seen| !seen.hit) && counts.shadow_rays_skipped > 1000 && counts.mirrors > 1000);
     assert!(counts.refractions > 300 && counts.fresnel > 200 && counts.absorption > 50, "{counts:?}");
-    assert!(counts.passages > 20 && counts.highlights > 1000 && counts.depth_limited > 20, "{counts:?}");
+    assert!(counts.null_interfaces > 20 && counts.highlights > 1000 && counts.depth_limited > 20, "{counts:?}");
 }
 
 #[test]
@@ -339,22 +339,22 @@ fn tiny_and_huge_scenes_do_not_leave_the_range_of_f32() {
 fn numbers_that_leave_the_range_of_f32_are_not_shaded_in_lanes() {
     let color = |r, g, b| ColorTexture::Constant(Rgb::new(r, g, b));
     let plain = Material::new(String::new(), Phong { diffuse: color(0.5, 0.6, 0.2), ..Phong::default() });
-    let usual = Appearance { materials: vec![plain], lights: lights(), ..Appearance::default() };
+    let plain_scene = Appearance { materials: vec![plain], lights: lights(), ..Appearance::default() };
     let is_in_lanes =
         |appearance: &Appearance| LanePhongs::new(appearance, &ShadingFeatures::of(appearance, |_| true)).are_complete;
-    assert!(is_in_lanes(&usual));
-    let mut bright = usual.clone();
+    assert!(is_in_lanes(&plain_scene));
+    let mut bright = plain_scene.clone();
     bright.lights[0].intensity = Rgb::gray(1e20);
-    let mut dense = usual.clone();
+    let mut dense = plain_scene.clone();
     dense.materials[0].interior = Some(InteriorMedium::clear(1e6));
-    let mut narrow = usual.clone();
+    let mut narrow = plain_scene.clone();
     for light in &mut narrow.lights {
         if let DeltaLightKind::Spot { cos_inner, cos_outer, .. } = &mut light.kind {
             (*cos_inner, *cos_outer) = (1.0, 1.0 - 1e-8);
         }
     }
     let sharp_phong = Phong { specular: ColorTexture::Constant(Rgb::WHITE), exponent: 1e5, ..Phong::default() };
-    let mut sharp = usual.clone();
+    let mut sharp = plain_scene.clone();
     sharp.materials.push(Material::new(String::new(), sharp_phong));
     // Without lights, no highlight is computed; the choice is the same.
     let unlit = Appearance { lights: Vec::new(), ..sharp.clone() };

@@ -63,15 +63,15 @@ const WHITE: ColorTexture = ColorTexture::Constant(Rgb::WHITE);
 
 #[test]
 fn mirrored_rays_start_and_stay_on_the_viewers_side() {
-    let mut bent = 0;
+    let mut n_turned_back = 0;
     for (from, tilt) in (91..180).flat_map(|from| (-85..86).map(move |tilt| (from, tilt))) {
         let (direction, normal) = (tilted(f64::from(from)), tilted(f64::from(tilt)));
         let (_, world) = look(direction, normal, Phong { mirror: WHITE, ..Phong::BLACK }, vec![]);
         let [(RayKind::Reflection, ray)] = world.later[..] else { panic!("{:?}", world.later) };
         assert!(ray.origin.y > 0.0 && ray.direction.y >= 0.0, "view {from}°, normal {tilt}°: {ray:?}");
-        bent += usize::from(optics::reflect(direction, normal).y < 0.0);
+        n_turned_back += usize::from(optics::reflect(direction, normal).y < 0.0);
     }
-    assert!(bent > 1000, "{bent}");
+    assert!(n_turned_back > 1000, "{n_turned_back}");
 }
 
 #[test]
@@ -79,17 +79,18 @@ fn refracted_rays_start_and_stay_on_the_far_side() {
     let glass = Transmission { coefficient: WHITE, fresnel: false };
     let phong = Phong { transmission: Some(glass), ..Phong::BLACK };
     // From inside, where the floor's normal points along the ray.
-    let mut bent = 0;
+    let mut n_turned_back = 0;
     for (towards, tilt) in (0..90).flat_map(|towards| (-85..86).map(move |tilt| (towards, tilt))) {
         let (direction, normal) = (tilted(f64::from(towards)), tilted(f64::from(tilt)));
         let (_, world) = look(direction, normal, phong, vec![]);
         let Some((RayKind::Refraction, ray)) = world.later.first() else { continue };
         assert!(ray.origin.y > 0.0 && ray.direction.y >= 0.0, "view {towards}°, normal {tilt}°: {ray:?}");
-        bent += usize::from(
-            normal.dot(direction) > 0.0 && optics::refract(direction, -normal, 1.5).is_some_and(|bent| bent.y < 0.0),
+        n_turned_back += usize::from(
+            normal.dot(direction) > 0.0
+                && optics::refract(direction, -normal, 1.5).is_some_and(|refracted| refracted.y < 0.0),
         );
     }
-    assert!(bent > 100, "{bent}");
+    assert!(n_turned_back > 100, "{n_turned_back}");
 }
 
 /// Directional light on the front side of the facet.
@@ -99,7 +100,7 @@ fn sun_from(towards: DVec3) -> DeltaLight {
 }
 
 #[test]
-fn where_a_normal_is_bent_shadow_rays_start_on_its_side() {
+fn where_a_normal_is_turned_shadow_rays_start_on_its_side() {
     // The shading normal faces away from the viewer, and from the light; the facet faces both, and so does the normal
     // that is perpendicular to the view, 70° from the light.
     let phong = Phong { diffuse: WHITE, ..Phong::BLACK };

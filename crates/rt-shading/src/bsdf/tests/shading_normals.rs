@@ -1,4 +1,5 @@
-//! All models behind a shading normal that was bent towards the viewer: the view is at grazing angles, on the viewer's side.
+//! All models behind a shading normal that was turned towards the viewer: the view is at grazing angles, on the
+//! viewer's side.
 
 use super::{
     chi_square::{chi_square, ior, threshold},
@@ -13,12 +14,12 @@ use crate::{
 use rt_geometry::SurfaceInteraction;
 
 /// A surface with the outside above y = 0 and a shading normal that faces away from the viewer.
-struct Bent {
+struct AwayFacing {
     wo: DVec3,
     surface: SurfaceInteraction,
 }
 
-fn bent(index: u64) -> Option<Bent> {
+fn away_facing(index: u64) -> Option<AwayFacing> {
     let number = |dimension| random::unit(random::hash(&[97, index, dimension]));
     let unit = |dimension| {
         let y = 0.02 + 0.7 * number(dimension);
@@ -34,47 +35,47 @@ fn bent(index: u64) -> Option<Bent> {
         shading_normal: normal,
         ..SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Y, [0.0; 2])
     };
-    (side * normal.dot(wo) < -0.01).then_some(Bent { wo, surface })
+    (side * normal.dot(wo) < -0.01).then_some(AwayFacing { wo, surface })
 }
 
-fn bent_views(count: usize) -> impl Iterator<Item = Bent> {
-    (0..).filter_map(bent).take(count)
+fn away_facing_views(count: usize) -> impl Iterator<Item = AwayFacing> {
+    (0..).filter_map(away_facing).take(count)
 }
 
-fn vertex<'a>(bent: &Bent, surface: &'a mut SurfaceInteraction, bsdf: &'a Bsdf) -> Vertex<'a> {
-    let inside = is_inside(-bent.wo, surface);
-    Vertex::new(ViewedSurface::new(-bent.wo, inside, surface), bsdf, 0.0)
+fn vertex<'a>(away: &AwayFacing, surface: &'a mut SurfaceInteraction, bsdf: &'a Bsdf) -> Vertex<'a> {
+    let inside = is_inside(-away.wo, surface);
+    Vertex::new(ViewedSurface::new(-away.wo, inside, surface), bsdf, 0.0)
 }
 
 /// Rounding chose the side, and with it reflection, transmission, and the index of refraction.
 #[test]
 fn the_geometric_normal_decides_about_the_viewers_side() {
     let bsdf = Lambert { albedo: Rgb::WHITE }.into();
-    for bent in bent_views(5000) {
-        let mut surface = bent.surface;
-        let seen = vertex(&bent, &mut surface, &bsdf).wo;
-        assert!(seen.z * bent.wo.y.signum() > 1e-9 && seen.z.abs() < 1e-7, "{} is seen as {seen}", bent.wo);
+    for away in away_facing_views(5000) {
+        let mut surface = away.surface;
+        let seen = vertex(&away, &mut surface, &bsdf).wo;
+        assert!(seen.z * away.wo.y.signum() > 1e-9 && seen.z.abs() < 1e-7, "{} is seen as {seen}", away.wo);
         assert!((seen.length() - 1.0).abs() < 1e-15);
     }
 }
 
 #[test]
-fn no_surface_with_a_bent_normal_is_brighter_than_the_furnace() {
+fn no_surface_whose_shading_normal_faces_away_is_brighter_than_the_furnace() {
     const SAMPLES: u64 = 4000;
     for (at, Surface { name, bsdf }) in surfaces().iter().chain(&leaning()).enumerate() {
-        for (view, bent) in bent_views(8).enumerate() {
+        for (view, away) in away_facing_views(8).enumerate() {
             if breaks_conservation(bsdf) || disperses(bsdf) {
                 continue;
             }
-            let mut surface = bent.surface;
-            let vertex = vertex(&bent, &mut surface, bsdf);
+            let mut surface = away.surface;
+            let vertex = vertex(&away, &mut surface, bsdf);
             let (mut sum, mut squares) = (0.0, 0.0);
             for index in 0..SAMPLES {
                 let sample = bsdf.sample(vertex.wo, numbers((at * 100 + view) as u64, index));
                 let kept = sample.and_then(|sample| Some((vertex.continued(&sample, true)?, sample)));
                 let Some((wi, sample)) = kept else { continue };
                 // Light stays on its side of the actual surface, or passes to the other.
-                let stays = (wi.y > 0.0) == (bent.wo.y > 0.0);
+                let stays = (wi.y > 0.0) == (away.wo.y > 0.0);
                 assert_eq!(stays, sample.kind == Scattering::Reflection, "{name}: {wi}");
                 let x = energy(&sample);
                 assert!(x.is_finite() && x >= 0.0, "{name}: {x}");
@@ -90,14 +91,14 @@ fn no_surface_with_a_bent_normal_is_brighter_than_the_furnace() {
 }
 
 #[test]
-fn samples_at_bent_normals_follow_their_density() {
+fn samples_at_shading_normals_that_face_away_follow_their_density() {
     let all = surfaces().into_iter().chain(leaning());
     let surfaces: Vec<Surface> = all.filter(|surface| !surface.bsdf.is_delta()).collect();
     let limit = threshold(surfaces.len() * 2);
     for (at, Surface { name, bsdf }) in surfaces.iter().enumerate() {
-        for (view, bent) in bent_views(2).enumerate() {
-            let mut surface = bent.surface;
-            let wo = vertex(&bent, &mut surface, bsdf).wo;
+        for (view, away) in away_facing_views(2).enumerate() {
+            let mut surface = away.surface;
+            let wo = vertex(&away, &mut surface, bsdf).wo;
             let seed = 30_000 + (at * 2 + view) as u64;
             let outcome =
                 chi_square(&Sphere::around(wo, ior(bsdf)), seed, |wi| bsdf.pdf(wo, wi), |u| bsdf.sample(wo, u));

@@ -4,18 +4,20 @@ use super::{inputs::PathInputs, lane_material::VertexKind};
 use rt_geometry::StreamArray;
 use rt_math::Sampler;
 
-/// Samples by index of the ray, one array for each number. Those of rays that are not shaded in lanes have no meaning.
+/// Samples by index of the ray (pbrt: `RaySamples`), one array for each number. Those of rays that are not
+/// shaded in lanes have no meaning.
 #[derive(Clone, Debug, Default)]
-pub(super) struct WaveSamples {
+pub(super) struct RaySamples {
     /// Point on the sampled light.
-    pub(super) light: [StreamArray<f64>; 2],
+    pub(super) direct_u: [StreamArray<f64>; 2],
     /// Choice of a light.
-    pub(super) choice: StreamArray<f64>,
+    pub(super) direct_uc: StreamArray<f64>,
     /// Direction of the next ray.
-    pub(super) direction: [StreamArray<f64>; 2],
+    pub(super) indirect_u: [StreamArray<f64>; 2],
     /// Choice of the lobe that it is sampled from.
-    pub(super) lobe: StreamArray<f64>,
-    pub(super) roulette: StreamArray<f64>,
+    pub(super) indirect_uc: StreamArray<f64>,
+    /// Russian roulette.
+    pub(super) indirect_rr: StreamArray<f64>,
     buffers: Draws,
 }
 
@@ -28,8 +30,9 @@ struct Draws {
     numbers: Vec<f64>,
 }
 
-impl WaveSamples {
-    /// Draws the samples of the rays that are shaded in lanes, after this many bounces: for a light, and for the next direction.
+impl RaySamples {
+    /// Draws the samples of the rays that are shaded in lanes, after this many bounces: for a light, and for the
+    /// next direction.
     pub(super) fn draw<S: Sampler>(
         &mut self,
         inputs: &PathInputs<'_>,
@@ -37,14 +40,14 @@ impl WaveSamples {
         (of_rays, kinds): (&[u32], &[VertexKind]),
         bounces: u32,
     ) {
-        let Self { light, choice, direction, lobe, roulette, buffers } = self;
+        let Self { direct_u, direct_uc, indirect_u, indirect_uc, indirect_rr, buffers } = self;
         let n_lights = inputs.lighting.lights.sampled_lights().len();
         let is_shaded = |kind: VertexKind| kind > VertexKind::EmissionOnly;
         if n_lights > 0 {
             buffers.select(of_rays, kinds, |kind| is_shaded(kind) && !kind.is_delta());
-            buffers.draw_pairs(samplers, light);
+            buffers.draw_pairs(samplers, direct_u);
             if n_lights > 1 {
-                buffers.draw_numbers(samplers, choice);
+                buffers.draw_numbers(samplers, direct_uc);
             }
         }
         let follows_specular_only = inputs.follows_specular_only();
@@ -52,14 +55,14 @@ impl WaveSamples {
         if n_lights == 0 || follows_specular_only || kinds.iter().any(|kind| kind.is_delta()) {
             buffers.select(of_rays, kinds, is_sampled);
         }
-        buffers.draw_pairs(samplers, direction);
+        buffers.draw_pairs(samplers, indirect_u);
         if kinds.iter().any(|kind| kind.chooses_lobe()) {
             buffers.select(of_rays, kinds, VertexKind::chooses_lobe);
-            buffers.draw_numbers(samplers, lobe);
+            buffers.draw_numbers(samplers, indirect_uc);
             buffers.select(of_rays, kinds, is_sampled);
         }
-        if inputs.plays_roulette(bounces) {
-            buffers.draw_numbers(samplers, roulette);
+        if inputs.uses_russian_roulette(bounces) {
+            buffers.draw_numbers(samplers, indirect_rr);
         }
     }
 }

@@ -31,7 +31,7 @@ fn rays() -> Vec<Ray> {
         .collect()
 }
 
-fn bench_queries<A: Accelerator>(criterion: &mut Criterion, name: &str, structure: &A, spheres: &Spheres) {
+fn bench_queries<A: Accelerator>(criterion: &mut Criterion, name: &str, accelerator: &A, spheres: &Spheres) {
     let rays = rays();
     let count = spheres.as_slice().len();
     for query in ["closest", "occluded"] {
@@ -42,9 +42,9 @@ fn bench_queries<A: Accelerator>(criterion: &mut Criterion, name: &str, structur
                 let mut sum = 0.0;
                 for ray in &rays {
                     if query == "closest" {
-                        let hit = structure.closest(spheres, black_box(ray), Interval::FORWARD, &mut NoProbe);
+                        let hit = accelerator.closest(spheres, black_box(ray), Interval::FORWARD, &mut NoProbe);
                         sum += hit.map_or(0.0, |hit| hit.t);
-                    } else if structure.occluded(spheres, black_box(ray), Interval::SEGMENT, &mut NoProbe) {
+                    } else if accelerator.occluded(spheres, black_box(ray), Interval::SEGMENT, &mut NoProbe) {
                         sum += 1.0;
                     }
                 }
@@ -55,7 +55,7 @@ fn bench_queries<A: Accelerator>(criterion: &mut Criterion, name: &str, structur
     }
 }
 
-fn structures(criterion: &mut Criterion) {
+fn accelerators(criterion: &mut Criterion) {
     for count in [10, 1000, 100_000] {
         let spheres = spheres(count);
         if count <= 1000 {
@@ -78,6 +78,6 @@ fn structures(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
-    targets = structures
+    targets = accelerators
 }
 criterion_main!(benches);

@@ -6,15 +6,15 @@ use rt_accel::{
 };
 
 /// One of each kind, brute force first.
-pub(crate) struct Structures(pub(crate) Vec<AnyAccelerator>);
+pub(crate) struct Accelerators(pub(crate) Vec<AnyAccelerator>);
 
-impl Structures {
+impl Accelerators {
     /// Builds and validates all of them.
     pub(crate) fn build<P: Primitives>(primitives: &P) -> Self {
         let build = |&kind: &AcceleratorKind| {
-            let structure = AnyAccelerator::build(kind, primitives).expect("a structure");
-            assert_eq!(structure.validate(primitives), Ok(()), "{}", kind.name());
-            structure
+            let accelerator = AnyAccelerator::build(kind, primitives).expect("an accelerator");
+            assert_eq!(accelerator.validate(primitives), Ok(()), "{}", kind.name());
+            accelerator
         };
         Self(AcceleratorKind::ALL.iter().map(build).collect())
     }
@@ -34,23 +34,23 @@ impl Structures {
     /// The answer of brute force, which all of them agree with.
     pub(crate) fn closest<P: Primitives>(&self, primitives: &P, ray: &Ray, span: Interval) -> Option<Hit> {
         let expected = brute_force::closest(primitives, ray, span, &mut NoProbe);
-        for structure in &self.0 {
-            let name = structure.kind().name();
-            let found = structure.closest(primitives, ray, span, &mut NoProbe);
+        for accelerator in &self.0 {
+            let name = accelerator.kind().name();
+            let found = accelerator.closest(primitives, ray, span, &mut NoProbe);
             let key = |hit: Option<Hit>| hit.map(|hit| (hit.t.to_bits(), hit.instance, hit.primitive));
             assert_eq!(key(found), key(expected), "{name}: {ray:?} {span:?}");
-            let blocked = structure.occluded(primitives, ray, span, &mut NoProbe);
-            assert_eq!(blocked, expected.is_some(), "{name}, occluded: {ray:?} {span:?}");
+            let occluded = accelerator.occluded(primitives, ray, span, &mut NoProbe);
+            assert_eq!(occluded, expected.is_some(), "{name}, occluded: {ray:?} {span:?}");
         }
         expected
     }
 }
 
 /// Primitives tested per ray.
-pub(crate) fn tests_per_ray<A: Accelerator, P: Primitives>(structure: &A, primitives: &P, rays: &[Ray]) -> f64 {
+pub(crate) fn tests_per_ray<A: Accelerator, P: Primitives>(accelerator: &A, primitives: &P, rays: &[Ray]) -> f64 {
     let mut counters = Counters::default();
     for ray in rays {
-        structure.closest(primitives, ray, Interval::FORWARD, &mut counters);
+        accelerator.closest(primitives, ray, Interval::FORWARD, &mut counters);
     }
     counters.total().tests as f64 / rays.len() as f64
 }

@@ -1,17 +1,17 @@
-//! Places of rays in ray trees.
+//! State of a ray in its ray tree.
 
 use crate::medium_tracker::RayMedia;
 use rt_math::Rgb;
 
-/// Place of a ray in its ray tree.
+/// State of a ray in its ray tree.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TreePath {
+pub(super) struct RayTreePath {
     /// Index of its branch.
     pub(super) branch: u32,
     /// Bounces so far.
     pub(super) depth: u32,
-    /// Weight of its radiance in the pixel.
-    pub(super) weight: Rgb,
+    /// Factor of its radiance in the pixel.
+    pub(super) throughput: Rgb,
     /// Media around it.
     pub(super) media: RayMedia,
 }

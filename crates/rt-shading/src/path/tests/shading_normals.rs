@@ -49,7 +49,7 @@ fn above(y: f64, azimuth: f64) -> DVec3 {
 }
 
 /// Unit directions to the viewer, and shading normals that face away from each; both are above the wall.
-fn bent_views(count: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
+fn away_facing_views(count: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
     (0..).filter_map(pair_facing_away).take(count)
 }
 
@@ -89,7 +89,7 @@ fn opaque_materials() -> Vec<Material> {
 
 /// The wall gave 0.202 where it was white and diffuse: rounding put the viewer on its back, where the light is.
 #[test]
-fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
+fn an_opaque_wall_with_shading_normals_that_is_lit_from_behind_is_black() {
     for material in opaque_materials() {
         let emission = Emission::new(Rgb::WHITE, EmissionSides::Both).expect("an emission");
         let disk = DiskLight::new(DVec3::Y * -2.0, DVec3::Y, 1.5, 0.0, emission).expect("a light");
@@ -98,14 +98,14 @@ fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
             .with(wall(), 0, None)
             .with(Shape::Sphere(glowing), 1, None);
         scene.appearance.lights = vec![sun(DVec3::new(0.6, -0.8, 0.0), true), sun(DVec3::new(0.0, -0.6, 0.8), false)];
-        for (wo, normal) in bent_views(50) {
+        for (wo, normal) in away_facing_views(50) {
             for settings in ALL_SETTINGS {
                 let (mean, _) = estimate(&scene, normal, wo, settings, 32);
                 assert_eq!(mean, 0.0, "{settings:?}, viewer {wo}, normal {normal}");
             }
         }
         scene.appearance.lights.truncate(1);
-        for (wo, normal) in bent_views(50) {
+        for (wo, normal) in away_facing_views(50) {
             assert_eq!(whitted(&scene, normal, wo), 0.0, "viewer {wo}, normal {normal}");
         }
     }
@@ -113,12 +113,12 @@ fn an_opaque_wall_with_bent_normals_that_is_lit_from_behind_is_black() {
 
 /// The quad gave 0.201 under path tracing where Whitted's integrator gives 0.492.
 #[test]
-fn a_lit_quad_with_bent_normals_is_as_bright_under_every_integrator() {
+fn a_lit_quad_with_shading_normals_is_as_bright_under_every_integrator() {
     let classical = Phong { ambient: ColorTexture::ZERO, diffuse: gray(1.0), ..Phong::default() };
     let mut scene = Scene::new(vec![Material::new(String::new(), classical)], vec![]).with(wall(), 0, None);
     scene.appearance.lights = vec![sun(DVec3::new(0.48, 0.8, 0.36), true)];
     let mut lit = 0;
-    for (wo, normal) in bent_views(200) {
+    for (wo, normal) in away_facing_views(200) {
         let expected = whitted(&scene, normal, wo);
         lit += usize::from(expected > 0.1);
         for settings in ALL_SETTINGS {
@@ -131,7 +131,7 @@ fn a_lit_quad_with_bent_normals_is_as_bright_under_every_integrator() {
 
 /// Mirrors and smooth glass were black there.
 #[test]
-fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
+fn mirrors_and_glass_with_shading_normals_send_light_on_as_whitteds_do() {
     let glass = Transmission { coefficient: gray(1.0), fresnel: true };
     let mirror =
         Phong { ambient: ColorTexture::ZERO, diffuse: ColorTexture::ZERO, mirror: gray(0.9), ..Phong::default() };
@@ -140,7 +140,7 @@ fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
         let material = Material { interior, ..Material::new(String::new(), phong) };
         let mut scene = Scene::new(vec![material], vec![]).with(wall(), 0, None);
         scene.appearance.background = Background::Gradient { bottom: Rgb::gray(0.25), top: Rgb::WHITE };
-        for (wo, normal) in bent_views(100) {
+        for (wo, normal) in away_facing_views(100) {
             for wo in [wo, -wo] {
                 let expected = whitted(&scene, normal, wo);
                 let (mean, error) = estimate(&scene, normal, wo, paths(3), 200);
@@ -153,22 +153,22 @@ fn mirrors_and_glass_with_bent_normals_send_light_on_as_whitteds_do() {
     }
 }
 
-/// Under constant light, a white diffuse surface reflects the light above both the bent normal and its own. With the
+/// Under constant light, a white diffuse surface reflects the light above both the turned normal and its own. With the
 /// angle β between them, that is (1 + cos β) / 2 of it.
 #[test]
-fn white_diffuse_surfaces_with_bent_normals_show_what_a_numeric_integral_says() {
+fn white_diffuse_surfaces_with_shading_normals_show_what_a_numeric_integral_says() {
     let mut scene = Scene::new(vec![emissive(diffuse(1.0), 0.0)], vec![]).with(wall(), 0, None);
     scene.appearance.background = Background::Constant(Rgb::WHITE);
-    for (wo, normal) in bent_views(20) {
-        let bent = (normal - wo * normal.dot(wo)).normalize();
+    for (wo, normal) in away_facing_views(20) {
+        let turned = (normal - wo * normal.dot(wo)).normalize();
         let (mut integral, side) = (0.0, 400);
         for index in 0..side * side {
             // Uniform over the upper hemisphere.
             let y = (f64::from(index % side) + 0.5) / f64::from(side);
             let wi = above(y, TAU * (f64::from(index / side) + 0.5) / f64::from(side));
-            integral += bent.dot(wi).max(0.0) * 2.0 / f64::from(side * side);
+            integral += turned.dot(wi).max(0.0) * 2.0 / f64::from(side * side);
         }
-        assert!((integral - 0.5 * (1.0 + bent.y)).abs() < 1e-4, "{integral}");
+        assert!((integral - 0.5 * (1.0 + turned.y)).abs() < 1e-4, "{integral}");
         for settings in [paths(0), paths(4)] {
             let (mean, error) = estimate(&scene, normal, wo, settings, 4000);
             assert!((mean - integral).abs() < 5.0 * error + 1e-4, "viewer {wo}, normal {normal}: {mean} {integral}");
