@@ -27,7 +27,7 @@ pub struct OcclusionWave {
 }
 
 impl OcclusionWave {
-    /// An estimate from one direction for each camera ray: `seen[i]` is that of ray `i`, which draws from `samplers[i]`. Does nothing
+    /// Estimates occlusion by one direction per camera ray: `seen[i]` is that of ray `i`, which uses `samplers[i]`. Does nothing
     /// with fewer samplers or entries of `seen` than rays.
     pub fn radiance_of<S: Sampler + Clone>(
         &mut self,

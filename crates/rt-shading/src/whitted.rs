@@ -110,7 +110,7 @@ impl Whitted {
         counts
     }
 
-    /// Radiance of one camera ray in a world whose queries are answered one by one, in `f64`.
+    /// Radiance of one camera ray, shaded in `f64` and without lanes. Reference for tests, and entry for worlds without streams.
     pub fn radiance(&mut self, world: &mut dyn SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
         let (mut rays, mut seen) = (RayStream::default(), [RadianceSample::MISS]);
         rays.push(ray, Interval::FORWARD);
@@ -120,8 +120,8 @@ impl Whitted {
         seen[0]
     }
 
-    /// Radiance of the camera rays of a stream, which are lost: `seen[i]` is that of ray `i`. Does nothing unless `seen` has an entry for
-    /// each ray. Non-finite scenes give non-finite radiance, which the caller handles.
+    /// Computes radiance, and consumes the camera rays of a stream: `seen[i]` is that of ray `i`. Does nothing unless `seen`
+    /// has an entry for each ray. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,
