@@ -299,11 +299,6 @@ impl Transform {
         self.linear_inverse * v
     }
 
-    /// Transforms a normal from target to source space; not normalised.
-    pub fn inverse_normal(&self, n: DVec3) -> DVec3 {
-        self.linear.transpose() * n
-    }
-
     /// Transforms a ray from target to source space; `t` stays the same.
     #[inline]
     pub fn inverse_ray(&self, ray: &Ray) -> Ray {
@@ -354,7 +349,7 @@ mod tests {
             let tangent = n.cross(v);
             let (normal, image) = (t.normal(n), t.vector(tangent));
             prop_assert!(normal.dot(image).abs() <= 1e-9 * normal.length() * image.length());
-            prop_assert!((t.inverse_normal(normal) - n).length() < 1e-9);
+            prop_assert!((t.inverse().normal(normal) - n).length() < 1e-9);
         }
 
         #[test]
