@@ -4,7 +4,7 @@ use core::fmt;
 
 use rt_math::Aabb;
 
-/// Reason why no accelerator can be built over a set of primitives.
+/// Error of [`Accelerator`](crate::Accelerator) builds: primitives over which no accelerator can be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {

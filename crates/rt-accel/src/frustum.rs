@@ -18,7 +18,7 @@ pub struct Frustum {
     bounds: Aabb,
 }
 
-/// Reason why corners do not define a frustum.
+/// Error of [`Frustum::from_corners`]: corners that do not define a frustum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FrustumError {

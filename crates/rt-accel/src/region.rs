@@ -3,7 +3,9 @@
 use glam::DVec3;
 use rt_math::Aabb;
 
-/// Region of space.
+/// Query region: queries find the primitives whose boxes it overlaps.
+///
+/// It must be conservative: it overlaps every box that holds one of its points, so that no primitive is missed.
 pub trait Region {
     /// Bounds; sides may be infinite. Must be constant.
     fn bounds(&self) -> Aabb;

@@ -2,8 +2,6 @@
 
 mod sample_wi;
 
-pub use sample_wi::CameraWiSample;
-
 use rt_math::{AnimatedTransform, DVec2, DVec3, Ray, Transform, transcendental::tan};
 
 use crate::{
@@ -57,7 +55,7 @@ pub struct CameraSettings {
 }
 
 impl CameraSettings {
-    /// A camera without a shift, at rest, for which all is sharp. The shutter is open from 0 to 1.
+    /// Static pinhole camera without lens shift. The shutter is open from 0 to 1.
     pub const fn new(world_from_camera: Transform, projection: Projection) -> Self {
         Self { world_from_camera, moves_to: None, shutter: [0.0, 1.0], projection, lens_shift: DVec2::ZERO, lens: None }
     }
@@ -200,7 +198,7 @@ impl Camera {
         opens + (closes - opens) * part
     }
 
-    /// When the shutter opens and closes.
+    /// Times at which the shutter opens and closes, in \[0, 1\].
     pub const fn shutter(&self) -> [f64; 2] {
         self.shutter
     }

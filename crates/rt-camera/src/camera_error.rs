@@ -2,7 +2,7 @@
 
 use rt_math::{AnimatedTransformError, DVec2};
 
-/// Why no camera can be made of its settings.
+/// Error of [`Camera::new`](crate::Camera::new): settings of which no camera can be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CameraError {
     /// The image has no pixels.

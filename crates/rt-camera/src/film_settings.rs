@@ -31,7 +31,7 @@ impl Default for FilmSettings {
     }
 }
 
-/// Reason why an image cannot be exposed with these settings.
+/// Error of [`FilmSettings::validate`]: settings with which no image can be exposed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FilmError {
     /// A side (width, height) is 0.

@@ -75,7 +75,7 @@ mod simd;
 mod sobol;
 mod view_volume;
 
-pub use camera::{Camera, CameraSettings, CameraWiSample, FovAxis, Projection, RayArrays};
+pub use camera::{Camera, CameraSettings, FovAxis, Projection, RayArrays};
 pub use camera_error::CameraError;
 pub use film_settings::{FilmError, FilmSettings};
 pub use filter::Filter;

@@ -89,7 +89,7 @@ impl SamplerKind {
         }
     }
 
-    /// Most samples per pixel, at most `spp` but at least 1, that [`round_up`](Self::round_up) keeps.
+    /// Maximum samples per pixel, at most `spp` but at least 1, that [`round_up`](Self::round_up) keeps.
     pub const fn round_down(self, spp: u32) -> u32 {
         let spp = if spp == 0 { 1 } else { spp };
         match self {

@@ -187,8 +187,8 @@ impl ViewVolume {
         is_behind(&self.front) || (0..4).any(|edge| is_behind(&self.edges[edge]) && is_behind_other(edge))
     }
 
-    /// The least depth of a point of the box, up to rounding: the parameter at which a camera ray comes by
-    /// ([`Camera`](crate::Camera)). Negative behind the camera plane, infinite or NaN for an empty box.
+    /// Minimum depth of the box along the view axis, up to rounding; also a bound on the parameter of [camera](crate::Camera) rays
+    /// that hit it. Negative behind the camera plane, infinite or NaN for an empty box.
     pub fn min_depth(&self, aabb: &Aabb) -> f64 {
         let nearest = DVec3::select(self.depth.cmpge(DVec3::ZERO), aabb.min, aabb.max);
         self.depth.dot(nearest - self.origin)

@@ -160,18 +160,18 @@ kinds! {
 /// A measured number with its name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// In snake case; lengths are in world units, angles in degrees.
+    /// Name in snake case.
     pub name: &'static str,
-    /// Possibly infinite.
+    /// Value, possibly infinite: lengths in world units, angles in degrees.
     pub value: f64,
 }
 
 /// One result of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Importance.
+    /// Severity, which sets the exit code under `--strict`.
     pub severity: Severity,
-    /// Subject.
+    /// Kind of the finding.
     pub kind: Kind,
     /// Path and name of the object, or the name of the mesh, material, light or camera.
     pub object: String,

@@ -8,9 +8,9 @@ use crate::measures::Measures;
 /// Number of findings of one kind that a report does not list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct More {
-    /// Importance.
+    /// Severity of the findings.
     pub severity: Severity,
-    /// Subject.
+    /// Kind of the findings.
     pub kind: Kind,
     /// Number of findings beyond the listed ones.
     pub count: u64,

@@ -112,6 +112,8 @@ pub(crate) enum Command {
 #[command(mut_arg("animation", |arg| {
     arg.help("Choose the animation of models by name or index, or `all`, for --at-time or --frames [default: first]")
 }))]
+#[command(mut_arg("fps", |arg| arg.help("Set the frames per second, for --frames and --shutter")))]
+#[command(mut_arg("spp", |arg| arg.long_help(image::SPP_HELP_WITH_STOP_RULES)))]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,
@@ -150,11 +152,15 @@ pub(crate) struct RenderArgs {
     pub(crate) run: RunArgs,
 }
 
+#[cfg(feature = "view")]
+const VIEW_SPP_HELP: &str = "Stop at this number of samples per pixel [default: as in the scene]";
+
 /// Arguments of `view`, which refuses the hidden ones.
 #[cfg(feature = "view")]
 #[derive(Debug, Args)]
 #[command(mut_arg("crop", |arg| arg.hide(true)), mut_arg("passes", |arg| arg.hide(true)))]
 #[command(mut_arg("adaptive", |arg| arg.hide(true)), mut_arg("min_spp", |arg| arg.hide(true)))]
+#[command(mut_arg("spp", |arg| arg.help(VIEW_SPP_HELP).long_help(VIEW_SPP_HELP)))]
 pub(crate) struct BrowserArgs {
     #[command(flatten)]
     pub(crate) input: InputArgs,

@@ -2,7 +2,7 @@
 
 use rt_math::DVec3;
 
-/// Reason why a shape cannot be made, with the offending value.
+/// Error of the constructors of shapes, with the invalid value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// A coordinate is NaN, infinite, or beyond the range in which kernels keep their precision.

@@ -4,7 +4,7 @@ use crate::MeshData;
 use crate::area::{area_vector, unit_normal};
 use rt_math::{DVec3, Vec3};
 
-/// Reason why a mesh cannot be made.
+/// Error of [`TriangleMesh::build`](crate::TriangleMesh::build): data of which no mesh can be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MeshError {
     /// A triangle has an invalid vertex index.

@@ -36,7 +36,7 @@ impl RayKind {
 
 /// Receiver of statistics. The default methods discard them.
 pub trait Probe {
-    /// False if nodes, tests and hits do not matter, so that accelerators may take ways that do not count them.
+    /// False if counts of nodes, tests and hits are unused; accelerators may then skip counting.
     #[inline]
     fn counts_work(&self) -> bool {
         true

@@ -3,7 +3,7 @@
 use crate::Hit;
 use rt_math::{DVec3, Interval, Ray};
 
-/// Most rays of a stream: the streams of an integrator stay in the cache of a core.
+/// Capacity of a stream, in rays: the streams of an integrator stay in the cache of a core.
 pub const STREAM_CAPACITY: usize = 256;
 
 /// Eight numbers more than [`STREAM_CAPACITY`], so that kernels may load and store whole vectors.
@@ -80,9 +80,9 @@ pub struct RayStream {
     pub origin: [StreamArray<f64>; 3],
     /// Coordinates of the directions.
     pub direction: [StreamArray<f64>; 3],
-    /// Least parameters of hits.
+    /// Minimum ray parameters of hits.
     pub min: StreamArray<f64>,
-    /// Greatest parameters of hits.
+    /// Maximum ray parameters of hits.
     pub max: StreamArray<f64>,
     /// Times in the shutter interval, as [`Ray::time`].
     pub time: StreamArray<f64>,

@@ -42,7 +42,7 @@ impl Sphere {
         Aabb::new(min.map(f64::next_down), max.map(f64::next_up))
     }
 
-    /// Its intersection kernel.
+    /// Intersection kernel.
     #[inline(always)]
     pub const fn kernel(&self) -> SphereKernel {
         self.0

@@ -206,7 +206,7 @@ impl WatertightRay {
         areas
     }
 
-    /// Axes that become x, y and z, multiples of z that x and y lose, and factor of z. For SIMD tests of lower
+    /// Permuted axes (kx, ky, kz) and shear constants (Sx, Sy, Sz) of Woop, Benthin and Wald 2013. For SIMD tests of lower
     /// precision.
     #[inline(always)]
     pub const fn shear(&self) -> ([usize; 3], [f64; 3]) {

@@ -28,7 +28,7 @@ impl Default for Development {
     }
 }
 
-/// Why a film cannot be developed with these settings.
+/// Error of [`Development::validate`]: settings with which no image can be developed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DevelopmentError {
     /// The exposure (the value, in stops) is not usable.

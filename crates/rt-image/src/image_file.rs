@@ -57,7 +57,7 @@ impl ImageFormat {
     }
 }
 
-/// Why an image was not written or read.
+/// Error of the functions that write or read images.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageFileError {

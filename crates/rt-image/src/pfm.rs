@@ -13,7 +13,7 @@ use crate::{Image, MAX_READ_PIXELS};
 /// A word of the header is refused beyond this length.
 const MAX_WORD: usize = 64;
 
-/// Why a file is not a portable float map.
+/// Error of [`read`]: a file that is no portable float map.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum PfmError {
     #[error("{0}")]

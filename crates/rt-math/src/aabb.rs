@@ -7,8 +7,8 @@ use glam::DVec3;
 /// 2(2), 2013). Accelerators whose boxes replace padded bounds must widen by at least as much.
 pub const FAR_FACTOR: f64 = 1.0 + 2.0 * gamma(3);
 
-/// Padding of bounds relative to their largest coordinate, so that the box never removes a hit that the kernel found a
-/// rounding error outside it.
+/// Padding of bounds relative to their largest coordinate, 2⁻⁴⁰. It exceeds the rounding error of the kernels, so that no hit lies
+/// outside the padded bounds.
 pub const BOUNDS_PADDING: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A closed axis-aligned box. Empty when `min > max` on any axis.

@@ -50,7 +50,7 @@ pub struct AnimatedTransform {
     stretches: [DMat3; 2],
 }
 
-/// Reason why two transforms cannot be interpolated.
+/// Error of [`AnimatedTransform::new`]: transforms that cannot be interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnimatedTransformError {
     /// Only one of them mirrors: the transform would be singular at some time.

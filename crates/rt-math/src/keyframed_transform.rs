@@ -53,7 +53,7 @@ struct Velocity {
     stretch: DMat3,
 }
 
-/// Reason why keys cannot be interpolated.
+/// Error of [`KeyframedTransform::new`]: keys that cannot be interpolated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyframedTransformError {
     /// The number of times (first) differs from the number of transforms (second).

@@ -36,7 +36,7 @@ pub struct Keyframes {
     interpolation: Interpolation,
 }
 
-/// Reason why numbers are not valid times of keys.
+/// Error of [`Keyframes::new`]: numbers that are no valid times of keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeyframesError {
     /// There is no key.

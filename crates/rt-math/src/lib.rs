@@ -10,7 +10,8 @@
 //!
 //! **Owns** [`Ray`], [`Interval`], [`Aabb`] and its slab test, [`Transform`] (an affine map with its inverse),
 //! [`AnimatedTransform`], [`KeyframedTransform`], [`Rgb`] and [`Frame`]. Also error-free arithmetic ([`float`]), the
-//! hash behind all random numbers ([`random`]), and the interface [`Sampler`].
+//! hash behind all random numbers ([`random`]), the interface [`Sampler`], and the connection of points to cameras
+//! ([`CameraWiSample`]).
 //!
 //! **Does not own** shapes and their intersection (rt-geometry), accelerators, lights or cameras.
 //!
@@ -36,6 +37,7 @@
 mod aabb;
 mod animated_transform;
 mod animated_transform_chain;
+mod camera_wi_sample;
 pub mod float;
 mod frame;
 mod interval;
@@ -54,6 +56,7 @@ mod vector3;
 pub use aabb::{Aabb, BOUNDS_PADDING, FAR_FACTOR, SlabRay};
 pub use animated_transform::{AnimatedTransform, AnimatedTransformError};
 pub use animated_transform_chain::AnimatedTransformChain;
+pub use camera_wi_sample::CameraWiSample;
 pub use frame::{Frame, tangents};
 pub use interval::Interval;
 pub use keyframed_transform::{KeyframedTransform, KeyframedTransformError};

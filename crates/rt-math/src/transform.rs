@@ -24,7 +24,7 @@ pub struct Transform {
     translation: DVec3,
 }
 
-/// Reason why a matrix is not a usable transform.
+/// Error of the constructors of [`Transform`]: a matrix that is no usable transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformError {
     /// A component is NaN or infinite.
@@ -196,7 +196,7 @@ impl Transform {
         }
     }
 
-    /// Inverse.
+    /// Inverse map: source and target change places.
     pub fn inverse(&self) -> Self {
         Self {
             linear: self.linear_inverse,
@@ -243,32 +243,32 @@ impl Transform {
         frobenius(&self.linear) * frobenius(&self.linear_inverse)
     }
 
-    /// A point, source to target.
+    /// Transforms a point from source to target space.
     #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.linear * p + self.translation
     }
 
-    /// A vector (a difference of points), source to target.
+    /// Transforms a vector (a difference of points) from source to target space.
     #[inline]
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.linear * v
     }
 
-    /// A normal, source to target, by the inverse transpose; not normalised. It keeps its side of the surface even
-    /// under a mirroring map.
+    /// Transforms a normal from source to target space by the inverse transpose; not normalised. It keeps its side of the
+    /// surface even under a mirroring map.
     #[inline]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         self.linear_inverse.transpose() * n
     }
 
-    /// A ray, source to target, with the same `t`.
+    /// Transforms a ray from source to target space; `t` stays the same.
     #[inline]
     pub fn ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.point(ray.origin), direction: self.vector(ray.direction), time: ray.time }
     }
 
-    /// Bounds of the image of a box, source to target, widened by the rounding error of its corners. Empty stays empty.
+    /// Bounds of a box, transformed from source to target space and widened by the rounding error of its corners. Empty stays empty.
     pub fn aabb(&self, aabb: &Aabb) -> Aabb {
         if aabb.is_empty() {
             return Aabb::EMPTY;
@@ -279,7 +279,7 @@ impl Transform {
         })
     }
 
-    /// A point known up to `error` per axis, source to target, with the bound on the result's error.
+    /// Transforms a point, known up to `error` per axis, from source to target space. Also returns the bound on the result's error.
     #[inline]
     pub fn point_with_error(&self, p: DVec3, error: DVec3) -> (DVec3, DVec3) {
         let magnitude = absolute(&self.linear);
@@ -287,24 +287,19 @@ impl Transform {
         (self.point(p), rounding + magnitude * error * (1.0 + gamma(4)))
     }
 
-    /// A point, target to source.
+    /// Transforms a point from target to source space.
     #[inline]
     pub fn inverse_point(&self, p: DVec3) -> DVec3 {
         self.linear_inverse * (p - self.translation)
     }
 
-    /// A vector, target to source.
+    /// Transforms a vector from target to source space.
     #[inline]
     pub fn inverse_vector(&self, v: DVec3) -> DVec3 {
         self.linear_inverse * v
     }
 
-    /// A normal, target to source; not normalised.
-    pub fn inverse_normal(&self, n: DVec3) -> DVec3 {
-        self.linear.transpose() * n
-    }
-
-    /// A ray, target to source, with the same `t`.
+    /// Transforms a ray from target to source space; `t` stays the same.
     #[inline]
     pub fn inverse_ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.inverse_point(ray.origin), direction: self.inverse_vector(ray.direction), time: ray.time }
@@ -354,7 +349,7 @@ mod tests {
             let tangent = n.cross(v);
             let (normal, image) = (t.normal(n), t.vector(tangent));
             prop_assert!(normal.dot(image).abs() <= 1e-9 * normal.length() * image.length());
-            prop_assert!((t.inverse_normal(normal) - n).length() < 1e-9);
+            prop_assert!((t.inverse().normal(normal) - n).length() < 1e-9);
         }
 
         #[test]

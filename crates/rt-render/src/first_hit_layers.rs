@@ -12,7 +12,7 @@ use crate::{
     tile::{tile_count, tile_number},
 };
 
-/// Maximum samples of a pixel: more change an average over a pixel by less than most images show.
+/// Maximum samples per pixel of layers. Further samples change the means by less than most images show.
 pub const MAX_LAYER_SAMPLES: u32 = 16;
 
 /// Depth of misses, as in Blender.
@@ -85,7 +85,7 @@ layers! {
 pub struct LayerValues {
     /// The attribute.
     pub layer: FirstHitLayer,
-    /// For each of its [channels](FirstHitLayer::channels), a value per pixel of the crop, row by row.
+    /// Value per pixel of the crop, row by row, for each of the [channels](FirstHitLayer::channels).
     pub channels: Vec<Vec<f32>>,
 }
 

@@ -6,8 +6,8 @@
 //!                          └─ explain: used and omitted features, with reasons
 //! ```
 //!
-//! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples, the film and the statistics. It is
-//! the only crate that depends on accelerators *and* materials. **Does not own** files, arguments or progress bars; it prints
+//! **Owns** the plan ([`RenderPlan`]), the two-level world, the loop over tiles and samples, the film and the statistics. Below
+//! it, no crate depends on both accelerators *and* materials. **Does not own** files, arguments or progress bars; it prints
 //! nothing.
 //!
 //! Motion blur: each sample has a random time, which all of its rays share. Scenes without motion use no time

@@ -3,7 +3,7 @@
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
 use rt_geometry::Counters;
 use rt_math::{Sampler, random::hash};
-use rt_shading::{CameraWiSample, LightTracingIntegrator, LightTracingScene, ShadingCounts};
+use rt_shading::{LightTracingIntegrator, LightTracingScene, ShadingCounts};
 
 use crate::{
     RenderPlan,
@@ -77,8 +77,7 @@ impl RenderPlan<'_> {
         let scene = LightTracingScene { lighting: self.scene.lighting(), sources };
         let sight = |point, time, sampler: &mut SampleStream| {
             let on_lens = if self.frame.camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
-            let sight = self.frame.camera.sample_wi(point, on_lens, time)?;
-            Some(CameraWiSample { origin: sight.origin, raster: sight.raster, importance: sight.importance })
+            self.frame.camera.sample_wi(point, on_lens, time)
         };
         tracer.trace(&mut world, scene, samplers, sight, |raster, light| {
             if light.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c)) {

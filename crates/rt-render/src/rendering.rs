@@ -84,9 +84,9 @@ pub struct Rendering {
     pub samples_per_pixel: SampleRange,
     /// Number of unconverged pixels, with [`Criterion::Pixels`](crate::Criterion).
     pub unconverged: Option<u64>,
-    /// With [`RunOptions::maps`], the standard error of each pixel, by channel; infinite after one pass.
+    /// Standard error of each pixel, by channel, with [`RunOptions::maps`]; infinite after one pass.
     pub standard_error: Option<Image>,
-    /// With [`RunOptions::maps`], the samples of each pixel, in all channels.
+    /// Number of samples of each pixel, in all channels, with [`RunOptions::maps`].
     pub sample_counts: Option<Image>,
     /// Layers of [`RunOptions::layers`], if any; [`complete_layers`](crate::RenderPlan::complete_layers) computes missing values.
     pub layers: Option<FilmLayers>,

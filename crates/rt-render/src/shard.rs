@@ -149,7 +149,7 @@ impl Shard {
         }
     }
 
-    /// Its index and the number of shards.
+    /// Index of the shard, and number of shards.
     pub const fn spec(&self) -> ShardSpec {
         self.spec
     }

@@ -151,9 +151,8 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
         // The joined path reads better in messages than the canonical one.
         Ok(path)
     } else {
-        Err(bad(&format!(
-            "lies outside of {}: copy it there, or choose another root directory (--asset-root)",
-            root.display()
-        )))
+        let is_current = root == Path::new(".");
+        let root = if is_current { "the current directory".into() } else { root.to_string_lossy() };
+        Err(bad(&format!("lies outside of {root}: copy it there, or choose another root directory (--asset-root)")))
     }
 }

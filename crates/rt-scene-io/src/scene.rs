@@ -235,7 +235,7 @@ pub struct NamedCamera {
 /// A mesh that nodes refer to.
 #[derive(Clone, Debug)]
 pub struct NamedMesh {
-    /// For messages.
+    /// Name for messages.
     pub name: String,
     /// The triangles.
     pub mesh: Arc<TriangleMesh>,
@@ -246,7 +246,7 @@ pub struct NamedMesh {
 pub struct Group {
     /// Unique within the scene.
     pub name: String,
-    /// Its nodes, in the group's own space.
+    /// Nodes, in the space of the group.
     pub nodes: Vec<SceneNode>,
 }
 
@@ -264,7 +264,7 @@ pub enum Content {
 /// Node of the tree.
 #[derive(Debug)]
 pub struct SceneNode {
-    /// For messages; may be empty.
+    /// Name for messages; may be empty.
     pub name: String,
     /// Takes this node's space to its parent's; where it moves, at time 0.
     pub parent_from_local: Transform,

@@ -1,6 +1,6 @@
 //! Errors of textures.
 
-/// Reason why an image cannot be used as a texture.
+/// Error of [`decode_texture`](crate::decode_texture): an image that cannot be a texture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {

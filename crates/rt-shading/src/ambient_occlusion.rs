@@ -27,8 +27,8 @@ pub struct OcclusionWave {
 }
 
 impl OcclusionWave {
-    /// An estimate from one direction for each camera ray: `radiances[i]` is that of ray `i`, which draws from
-    /// `samplers[i]`. Does nothing with fewer samplers or entries of `radiances` than rays.
+    /// Estimates occlusion by one direction per camera ray: `radiances[i]` is that of ray `i`, which uses `samplers[i]`. Does nothing
+    /// with fewer samplers or entries of `radiances` than rays.
     pub fn radiance_of<S: Sampler + Clone>(
         &mut self,
         view: &AmbientOcclusion,

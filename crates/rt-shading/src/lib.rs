@@ -112,9 +112,7 @@ pub use interior_list::InteriorList;
 pub use lanes::LaneLevel;
 pub use layered_surface::{LayeredBase, LayeredSurface};
 pub use light::{DeltaLiSample, DeltaLight, DeltaLightKind, Falloff, Light, LightUnits};
-pub use light_tracing::{
-    CameraWiSample, LightSources, LightTracingIntegrator, LightTracingScene, ProjectionMap, TargetSphere,
-};
+pub use light_tracing::{LightSources, LightTracingIntegrator, LightTracingScene, ProjectionMap, TargetSphere};
 pub use material::Material;
 pub use material_model::MaterialModel;
 pub use medium::InteriorMedium;

@@ -12,19 +12,8 @@ pub use sources::LightSources;
 use crate::{Lighting, SceneQueries, ShadingCounts, ShadingFeatures, StreamQueries, path::PathSettings};
 use light_rays::{LightRayStream, LightRays};
 use rt_geometry::{HitStream, RayKind, STREAM_CAPACITY};
-use rt_math::{DVec2, DVec3, Interval, Rgb, Sampler};
+use rt_math::{CameraWiSample, DVec2, DVec3, Interval, Rgb, Sampler};
 use wave::LightPaths;
-
-/// Projection of a point to a camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraWiSample {
-    /// Origin of the camera ray to the point, world space.
-    pub origin: DVec3,
-    /// Position on the image, in raster coordinates.
-    pub raster: DVec2,
-    /// Pixels that a unit of area covers at the point, if it faces the camera.
-    pub importance: f64,
-}
 
 /// Scene data of light tracing.
 #[derive(Clone, Copy, Debug)]

@@ -69,7 +69,8 @@ impl Material {
         }
     }
 
-    /// BSDF at a point.
+    /// Evaluates textures at a point and builds the BSDF there. It takes time: the BSDFs of uniform materials are
+    /// [cached](crate::BsdfCache).
     pub fn bsdf(&self, at: &MaterialEvalContext<'_>) -> Bsdf {
         self.model.bsdf(at)
     }

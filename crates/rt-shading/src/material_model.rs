@@ -78,7 +78,8 @@ pub enum MaterialModel {
 }
 
 impl MaterialModel {
-    /// BSDF at a point.
+    /// Evaluates textures at a point and builds the BSDF there. It takes time: the BSDFs of uniform materials are
+    /// [cached](crate::BsdfCache).
     pub fn bsdf(&self, at: &MaterialEvalContext<'_>) -> Bsdf {
         match self {
             Self::Phong(phong) => phong_to_bsdf(phong, at),

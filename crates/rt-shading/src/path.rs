@@ -53,7 +53,7 @@ use wave::{PathBatch, PathStreams};
 ///
 /// Classical lights and surfaces are as bright as under [`Whitted`](crate::Whitted). The intensity of a light in classical units
 /// thus counts π times, and kd is an albedo. Dielectrics nest as they do there. Shadow rays end at any surface that casts a
-/// shadow: only BSDF samples find light behind glass. Media that absorb with the index of air dim them instead.
+/// shadow: only BSDF samples find light behind glass. Media of index 1 that absorb attenuate them instead.
 ///
 /// Shading in lanes is in `f32`; positions, hits, densities of lights and sums are `f64`. The radiance of a camera ray is bit-identical
 /// in every wave, with every instruction set, and with one lane. Keep one instance per thread: all buffers are reused.
@@ -118,9 +118,9 @@ impl<S: Sampler + Clone> PathTracer<S> {
         })
     }
 
-    /// Estimates the radiance of the camera rays of a stream, which are lost: `radiances[i]` is that of ray `i`, whose
-    /// path uses `samplers[i]`. Does nothing unless `samplers` and `radiances` have an entry for each ray. Non-finite scenes
-    /// give non-finite radiance, which the caller handles.
+    /// Estimates radiance, and consumes the camera rays of a stream: `radiances[i]` is that of ray `i`, whose path uses
+    /// `samplers[i]`. Does nothing unless `samplers` and `radiances` have an entry for each ray. Non-finite scenes give non-finite
+    /// radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,

@@ -4,12 +4,12 @@ use crate::light::LightId;
 use rt_geometry::{InteractionFlags, RayKind, SurfaceInteraction};
 use rt_math::{Interval, Ray, Rgb};
 
-/// Closest hit of a ray.
+/// Surface at the closest hit of a ray, in world space, with its object and material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
     /// Ray parameter of the hit.
     pub t: f64,
-    /// The surface, in world space.
+    /// Geometry of the surface, world space.
     pub interaction: SurfaceInteraction,
     /// Index of the object that the surface belongs to; identifies the dielectrics that a ray is inside of.
     pub object: u32,

@@ -27,7 +27,7 @@ impl Material {
         self.is_air() || self.attenuates_shadow_rays()
     }
 
-    /// True for such a surface of a medium that absorbs.
+    /// True for a clear surface around an absorbing medium of index 1.
     pub fn attenuates_shadow_rays(&self) -> bool {
         let is_dim = self.interior.is_some_and(|interior| interior.ior == 1.0 && !interior.is_air());
         is_dim && self.is_clear()

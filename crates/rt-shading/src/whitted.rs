@@ -111,7 +111,7 @@ impl Whitted {
         counts
     }
 
-    /// Radiance of one camera ray in a world whose queries are answered one by one, in `f64`.
+    /// Radiance of one camera ray, shaded in `f64` and without lanes. Reference for tests, and entry for worlds without streams.
     pub fn radiance(&mut self, world: &mut dyn SceneQueries, appearance: &Appearance, ray: &Ray) -> RadianceSample {
         let (mut rays, mut radiances) = (RayStream::default(), [RadianceSample::MISS]);
         rays.push(ray, Interval::FORWARD);
@@ -121,8 +121,8 @@ impl Whitted {
         radiances[0]
     }
 
-    /// Radiance of the camera rays of a stream, which are lost: `radiances[i]` is that of ray `i`. Does nothing unless
-    /// `radiances` has an entry for each ray. Non-finite scenes give non-finite radiance, which the caller handles.
+    /// Computes radiance, and consumes the camera rays of a stream: `radiances[i]` is that of ray `i`. Does nothing unless `radiances`
+    /// has an entry for each ray. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
         world: &mut impl StreamQueries,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pairs of lamps, studio lights and images around bare models: scenes, and references by numeric integration.
+"""Makes the pairs of light sources, studio lights and images around bare models: scenes, and references by numeric integration.
 
     python3 tests/physics/make/lamps.py        # writes tests/physics/pairs/lamp-* and bare-*; needs numpy
 

@@ -9,7 +9,7 @@ use rt_math::{Interval, Ray};
 
 pub use vectors::{Scalars, Vectors};
 
-/// Reason why arrays do not form a batch.
+/// Error of batches: arrays that do not form one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BatchError {

@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::{BuildError, MAX_COORDINATE};
 
-/// Reason why arrays are not a triangle mesh.
+/// Error of [`TriangleMesh`](crate::TriangleMesh): arrays that are no triangle mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -48,7 +48,7 @@ impl fmt::Display for MeshError {
 
 impl core::error::Error for MeshError {}
 
-/// Reason why a scene cannot be built.
+/// Error of [`SceneBuilder`](crate::SceneBuilder): a scene that cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum SceneError {

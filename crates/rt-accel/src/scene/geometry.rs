@@ -65,10 +65,6 @@ impl<'a> Blas<'a> {
         Ok(Self { geometry, tree, bounds })
     }
 
-    pub(super) fn len(&self) -> usize {
-        with_primitives!(&self.geometry, primitives => primitives.len())
-    }
-
     pub(super) fn memory(&self) -> usize {
         self.tree.bvh.memory()
     }

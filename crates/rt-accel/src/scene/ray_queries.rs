@@ -35,11 +35,6 @@ impl<'a> Scene<'a> {
         self.instances.len()
     }
 
-    /// Number of triangles and spheres, those of each geometry once.
-    pub fn n_primitives(&self) -> usize {
-        self.geometries.iter().flatten().map(|geometry| geometry.len()).sum()
-    }
-
     /// Size of all trees in bytes, without the arrays of the geometries.
     pub fn memory(&self) -> usize {
         self.tree.bvh.memory() + self.geometries.iter().flatten().map(|geometry| geometry.memory()).sum::<usize>()

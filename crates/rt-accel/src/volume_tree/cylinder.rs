@@ -24,22 +24,22 @@ pub struct BoundingCylinder {
 }
 
 impl BoundingCylinder {
-    /// Index of its axis.
+    /// Index of the coordinate axis along which the cylinder lies.
     pub fn axis(&self) -> usize {
         self.axis as usize
     }
 
-    /// Its centre.
+    /// Centre, space of the primitives.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// Its radius.
+    /// Radius.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Coordinates of its caps on the axis.
+    /// Coordinates of the caps on the axis.
     pub fn caps(&self) -> [f64; 2] {
         self.caps
     }

@@ -21,12 +21,12 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Its centre.
+    /// Centre, space of the primitives.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// Its radius.
+    /// Radius.
     pub fn radius(&self) -> f64 {
         self.radius
     }

@@ -46,7 +46,7 @@ pub struct SmallSet {
 }
 
 impl SmallSet {
-    /// Most primitives of a set.
+    /// Maximum number of primitives.
     pub const CAPACITY: usize = 16;
 
     /// Primitives by their indices, in any order; duplicates are tested twice. `None` beyond the capacity.

@@ -39,8 +39,8 @@ pub struct WideBvh {
 }
 
 impl WideBvh {
-    /// Most primitives of a tree of triangles that keeps a list of them, some 200 bytes each: batches test incoherent rays with all
-    /// of them.
+    /// Maximum number of triangles of a tree that keeps a list of them, some 200 bytes each. Batches test incoherent rays with the whole
+    /// list.
     pub const LIST_CAPACITY: usize = MAX_TRIANGLES;
 
     /// Instruction set of traversal.

@@ -1,19 +1,8 @@
 //! Connection of a world point to the camera, for light tracing.
 
-use rt_math::{DVec2, DVec3};
+use rt_math::{CameraWiSample, DVec3};
 
 use super::Camera;
-
-/// Connection of a world point to the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraWiSample {
-    /// Origin of the camera ray to the point, world space.
-    pub origin: DVec3,
-    /// Raster position of the point; possibly outside the image.
-    pub raster: DVec2,
-    /// Pixels that a unit of area covers at the point, if it faces along the ray.
-    pub importance: f64,
-}
 
 impl Camera {
     /// Connects a point to the camera at a time; with a lens, to the lens point of a unit-square sample. `None`
@@ -48,7 +37,7 @@ impl Camera {
 mod tests {
     use super::*;
     use crate::{CameraSettings, FovAxis, Lens, Projection};
-    use rt_math::Transform;
+    use rt_math::{DVec2, Transform};
 
     fn cameras() -> Vec<Camera> {
         let view = Transform::look_at(DVec3::new(1.0, 2.0, 6.0), DVec3::ZERO, DVec3::Y).expect("a view");

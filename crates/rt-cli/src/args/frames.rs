@@ -84,7 +84,7 @@ fn frames(text: &str) -> Result<Frames, String> {
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct TimingArgs {
-    /// Set the frames per second, for --frames and --shutter
+    /// Set the frames per second, for --shutter
     #[arg(long, value_name = "F", value_parser = values::positive, allow_negative_numbers = true, default_value = "24")]
     pub(crate) fps: f64,
 

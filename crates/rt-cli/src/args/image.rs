@@ -11,6 +11,13 @@ use rt_scene_io::{Accel, Integrator, LightSampling};
 
 use super::values::{self, BackgroundChoice, named};
 
+/// Help of `--spp` for commands with stop rules.
+pub(super) const SPP_HELP_WITH_STOP_RULES: &str = "\
+Set the samples per pixel [default: as in the scene]
+
+With --time or --target-error, it is the maximum: by default 4096 with --target-error, and 1048576 with --time alone. Without them, the \
+number is rounded up to passes of equal size that the sampler supports.";
+
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ImageArgs {
     /// Set width and height in pixels [default: as in the scene]
@@ -19,8 +26,7 @@ pub(crate) struct ImageArgs {
 
     /// Set the samples per pixel [default: as in the scene]
     ///
-    /// With the stop rules of `render`, it is their maximum: by default 4096 with --target-error, and 1048576 with --time alone. Numbers that the
-    /// sampler does not support are rounded up.
+    /// The number is rounded up to passes of equal size that the sampler supports.
     #[arg(long, value_name = "N", value_parser = values::whole(1..=1_u32 << 31), allow_negative_numbers = true, help_heading = "Sampling")]
     pub(crate) spp: Option<u32>,
 
@@ -70,6 +76,8 @@ pub(crate) struct ImageArgs {
     pub(crate) accel: Option<Accel>,
 
     /// Choose the SIMD instructions of accelerators and shading; does not change the image [default: best available]
+    ///
+    /// Without the feature `all-simd` of the program, trees use AVX2 instead of AVX-512.
     #[arg(long, value_name = "NAME", value_parser = values::simd(), help_heading = "Rendering")]
     pub(crate) simd: Option<SimdLevel>,
 

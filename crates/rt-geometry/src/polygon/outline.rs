@@ -7,7 +7,7 @@ use rt_math::{Aabb, DVec3};
 /// Maximum distance of a corner from the plane, relative to the diameter.
 const FLATNESS: f64 = 1e-6;
 
-/// Reason why a polygon cannot be made, with the offending value.
+/// Error of [`Polygon::new`](super::Polygon::new), with the invalid value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PolygonError {
     /// The outline or a hole with fewer than three corners.

@@ -31,7 +31,7 @@ pub struct Flip {
     kernels: Kernels,
 }
 
-/// Why the metric cannot be computed.
+/// Error of [`Flip::new`]: a resolution for which the metric cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum FlipError {
     /// The number of pixels per degree (the value) is not usable.

@@ -21,7 +21,7 @@ pub struct NonFinite {
     pub different: u64,
 }
 
-/// Why two images cannot be compared.
+/// Error of [`ImagePair::new`]: images that cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PairError {
     /// They differ in size (width and height in pixels).

@@ -84,6 +84,8 @@ pub enum Tone {
 pub enum Encoding {
     /// The sRGB curve.
     Srgb,
-    /// A power law: `gamma(2.2)`; `gamma(1)` stores linear light.
+    /// A power law with the exponent 1/γ; `gamma(1)` stores linear light.
+    ///
+    /// Example: `gamma(2.2)`.
     Gamma(f64),
 }

@@ -24,7 +24,7 @@ pub enum Light {
         position: [f64; 3],
         /// Strength; with inverse-square falloff, at distance 1.
         ///
-        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx. Example: `intensity: (30, 28, 25)`.
+        /// Unit: radiance of a white diffuse surface that faces the light; with `units: physical`, W/sr or cd. Example: `intensity: (30, 28, 25)`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
         /// Meaning of `intensity`.
@@ -35,7 +35,7 @@ pub enum Light {
         /// Falloff with the distance.
         #[serde(default)]
         falloff: Falloff,
-        /// Distance from the light up to which surfaces cast no shadow, such as the bulb around it. No established term.
+        /// Distance from the light up to which surfaces cast no shadow, such as the bulb around it.
         ///
         /// Unit: units of the scene. Default: `0`. Example: `shadow_near: 0.1`.
         #[serde(default, skip_serializing_if = "is_zero", alias = "lamp_radius")]
@@ -59,7 +59,7 @@ pub enum Light {
         direction: [f64; 3],
         /// Strength.
         ///
-        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx. Example: `intensity: (3, 2.8, 2.5)`.
+        /// Unit: radiance of a white diffuse surface that faces the light; with `units: physical`, W/m² or lx. Example: `intensity: (3, 2.8, 2.5)`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
         /// Meaning of `intensity`.
@@ -100,7 +100,7 @@ pub enum Light {
         outer: f64,
         /// Strength; with inverse-square falloff, at distance 1.
         ///
-        /// Unit: radiance of a white surface that faces the light; with `units: physical`, W/sr, cd, or across the direction W/m², lx. Example: `intensity: (30, 28, 25)`.
+        /// Unit: radiance of a white diffuse surface that faces the light; with `units: physical`, W/sr or cd. Example: `intensity: (30, 28, 25)`.
         #[serde(default = "white", alias = "color", alias = "colour")]
         intensity: Color,
         /// Meaning of `intensity`.
@@ -222,8 +222,8 @@ pub enum Light {
         #[serde(default = "yes", skip_serializing_if = "is_yes")]
         caps: bool,
     },
-    /// Comes from everywhere, scaled by the `ambient` coefficient of materials, under `whitted` and `distributed`. With an
-    /// environment image, `distributed` follows its light instead; the other integrators follow any background. Several add up.
+    /// Constant light for the `ambient` coefficient of materials, under `whitted` and `distributed`. `distributed` ignores it if
+    /// there is an environment image. Other integrators use the background instead. Several add up.
     Ambient(Color),
 }
 
@@ -232,10 +232,11 @@ pub enum Light {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LightUnits {
-    /// Shares of white: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1.
+    /// Intensity 1 at perpendicular incidence gives a diffuse surface of albedo 1 the radiance 1.
     #[default]
     Classical,
-    /// Radiant or luminous intensity, and irradiance: a diffuse surface of albedo 1, lit straight by 1, has the radiance 1/π.
+    /// Radiant or luminous intensity; irradiance or illuminance of directional lights. Intensity 1 at perpendicular incidence gives
+    /// a diffuse surface of albedo 1 the radiance 1/π.
     /// Area lights, emissive materials and environment images are in the same units.
     Physical,
 }

@@ -230,8 +230,7 @@ pub enum Material {
         #[serde(default, alias = "shines")]
         emission_sides: EmissionSides,
     },
-    /// Several materials at once, each with its weight. Weights of sum 1 blend them; weights of 1 lay them over each other. Glass
-    /// cannot be part of it.
+    /// Weighted sum of materials. Weights of sum 1 blend them; weights of 1 add their reflection. Glass cannot be part of it.
     ///
     /// Example: `mix([(0.7, diffuse(albedo: 0.8)), (0.3, mirror())])`.
     Mix(Vec<(f64, Self)>),

@@ -9,8 +9,8 @@ use crate::{Accel, Integrator};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// Method by which light is computed. The default is `path` for scenes with area lights, an environment image, or
-    /// physically based materials, else `whitted`. If the field `lights` is absent, physically based materials of models and
+    /// Method by which light is computed. The default is `path` for scene files with an area light, an environment image, or a
+    /// material other than `phong`, else `whitted`. If the field `lights` is absent, physically based materials of models and
     /// emissive objects select `path` as well.
     ///
     /// Default: `whitted` or `path`, as the scene needs. Example: `integrator: path`.
@@ -18,7 +18,7 @@ pub struct Settings {
     pub integrator: Option<Integrator>,
     /// Pattern of the samples in a pixel.
     pub sampler: Sampler,
-    /// Samples per pixel; some samplers round it up.
+    /// Samples per pixel, rounded up to passes of equal size that the sampler supports.
     ///
     /// Unit: samples.
     pub spp: u64,

@@ -14,7 +14,7 @@ pub struct MemoryError {
     pub budget: u64,
     /// Name of the largest part.
     pub largest: String,
-    /// Bytes that this needs.
+    /// Bytes of [`largest`](Self::largest).
     pub most: u64,
 }
 

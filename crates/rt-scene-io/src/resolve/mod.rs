@@ -91,7 +91,8 @@ pub(crate) fn resolve_with(
     let is_chosen = options.integrator.is_none() && file.settings.integrator.is_none();
     if is_chosen && settings.integrator != Integrator::Whitted {
         notes.push(format!(
-            "The integrator is `{}`, because `whitted` does not support all lights and materials of the scene.",
+            "The integrator is `{}`, because the scene has an area light, an emissive object, an environment image, or a material \
+             other than `phong`.",
             settings.integrator.name()
         ));
     }

@@ -45,7 +45,7 @@ impl Ggx {
         Some(Self { alpha_x: even.alpha_y + (1.0 - even.alpha_y) * (strength * strength), ..even })
     }
 
-    /// The lesser α.
+    /// α across the tangent (`alpha_y`), the smaller of both.
     pub fn alpha(&self) -> f64 {
         self.alpha_y
     }

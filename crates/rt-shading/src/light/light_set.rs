@@ -30,7 +30,7 @@ impl LightSampling {
     }
 }
 
-/// Area light that a ray has hit.
+/// Identifier of an area light, and of the triangle of a mesh light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightId {
     /// Index into [`LightSet::lights`].
@@ -143,8 +143,8 @@ impl LightSet {
         }
     }
 
-    /// Density, per unit solid angle, with which [`sample_li`](Self::sample_li) finds the point `on_light`, with its unit
-    /// `light_normal`, where a ray from `point` has hit a light. 0 for an index that is not in the set.
+    /// Density per unit solid angle at `point` with which [`sample_li`](Self::sample_li) samples the point `on_light`, whose unit normal is
+    /// `light_normal`. 0 for an index that is not in the set.
     pub fn pdf_li(
         &self,
         point: DVec3,

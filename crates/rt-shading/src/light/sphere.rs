@@ -71,8 +71,9 @@ impl SphereLight {
         }
     }
 
-    /// Samples a direction towards the light from `point`. `None` inside and on a one-sided light, if it is black, and on a
-    /// two-sided one for directions that leave it.
+    /// Samples a direction towards the light from `point`; `None` if the light is black. Outside, directions are in the cone
+    /// that the light subtends. Inside and on the surface of a one-sided light the result is `None`. For a two-sided light,
+    /// directions are then uniform over the sphere; on its surface, those that leave it give `None`.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         match (self.view_from(point), self.emission.sides()) {
             (SphereView::Outside(cone), _) => self.sample_outside(point, &cone, u),

@@ -1,7 +1,7 @@
 //! Emission of light paths, and their scattering at surfaces.
 
 use super::{
-    CameraWiSample, LightTracingScene,
+    LightTracingScene,
     sources::LightLeSample,
     wave::{Connection, LightPath, LightPaths},
 };
@@ -16,7 +16,7 @@ use crate::{
     viewed_surface::{ViewedSurface, is_inside},
 };
 use rt_geometry::SurfaceInteraction;
-use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
+use rt_math::{CameraWiSample, DVec3, Interval, Ray, Rgb, Sampler};
 
 struct LightVertex<'a> {
     vertex: Vertex<'a>,

@@ -1,6 +1,6 @@
 //! Parameters of the builder.
 
-/// Build time against traversal time.
+/// Build quality: longer builds give faster traversal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quality {
@@ -35,7 +35,7 @@ impl Quality {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BuildParams {
-    /// Build time against traversal time.
+    /// Build quality.
     pub quality: Quality,
     /// Maximum primitives per leaf, clamped to 1 to 8.
     pub max_leaf: usize,
