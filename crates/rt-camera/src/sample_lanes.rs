@@ -39,8 +39,8 @@ pub(crate) trait Coordinates: Copy {
     /// The coordinates of each sample, in `[0, 1)`.
     fn draw<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [Self; N];
 
-    /// Version of [`draw`](Self::draw) for patterns that are not [drawn digit by digit](Pattern::has_digits), which takes less time to
-    /// compile.
+    /// Version of [`draw`](Self::draw) that takes less time to compile. The pattern must not be
+    /// [drawn digit by digit](Pattern::has_digits).
     fn draw_without_digits<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [Self; N];
 }
 
@@ -61,6 +61,7 @@ impl Coordinates for f64 {
 
     #[inline(always)]
     fn draw_without_digits<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [f64; N] {
+        debug_assert!(!pattern.has_digits(), "{pattern:?}");
         let Pattern { kind, spp, .. } = *pattern;
         match kind {
             SamplerKind::Sobol => {
@@ -97,6 +98,7 @@ impl Coordinates for [f64; 2] {
 
     #[inline(always)]
     fn draw_without_digits<const N: usize>(pattern: &Pattern, samples: &SampleLanes<N>) -> [[f64; 2]; N] {
+        debug_assert!(!pattern.has_digits(), "{pattern:?}");
         match pattern.kind {
             SamplerKind::Sobol => samples.sobol_pairs(),
             _ => pattern.arranged_pairs(samples),

@@ -124,7 +124,7 @@ pub use render_space::RenderSpace;
 pub use rendering::{ErrorProgress, PassProgress, Progress, Rendering, RunOptions, SampleRange};
 pub use rt_accel::wide::{Quality, SimdLevel};
 pub use rt_geometry::{Counters, RayKind, RayStats};
-pub use rt_shading::ShadingCounts;
+pub use rt_shading::{MAX_DIELECTRICS, MAX_NULL_INTERFACES, ShadingCounts};
 pub use scene_geometry::SceneGeometry;
 pub use shard::{MergeError, Shard, UncheckedShard};
 pub use shard_spec::ShardSpec;

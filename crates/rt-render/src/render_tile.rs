@@ -174,10 +174,10 @@ impl RenderPlan<'_> {
             }
             (pixel, pass.bad_samples() * u64::from(pass_spec.count))
         };
-        let (usual, simple) = (pixel_of(pass_spec.spp), pass_spec.simple_spp.map(pixel_of));
+        let (full, simple) = (pixel_of(pass_spec.spp), pass_spec.simple_spp.map(pixel_of));
         let mut result = TileResult::new(job);
         for at in pass_spec.pixels_of(job.tile) {
-            let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&usual);
+            let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&full);
             result.push(*pixel);
             result.bad_samples += bad_samples;
         }

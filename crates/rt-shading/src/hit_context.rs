@@ -9,7 +9,7 @@ use rt_math::{DVec3, Ray};
 
 /// Number of consecutive null interfaces that a ray may pass; each further one costs a bounce,
 /// so that paths end.
-pub(crate) const MAX_NULL_INTERFACES: u32 = 1024;
+pub const MAX_NULL_INTERFACES: u32 = 1024;
 
 /// A hit of a ray with the properties of its material.
 pub(crate) struct HitContext<'m> {

@@ -4,8 +4,9 @@ use crate::{InteriorMedium, Material, SceneQueries, SurfaceHit, medium::Medium};
 use rt_geometry::{InteractionFlags, RayKind};
 use rt_math::{Aabb, Interval, Ray};
 
-/// Maximum number of dielectrics around a point; further ones are ignored and counted.
-const CAPACITY: usize = 32;
+/// Maximum number of dielectrics around a point; further ones are ignored, and counted in
+/// [`interior_overflows`](crate::ShadingCounts::interior_overflows).
+pub const MAX_DIELECTRICS: usize = 32;
 
 /// A dielectric: its object, and its material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,7 +128,7 @@ impl InteriorList {
                 self.push(entry);
             } else if let Some(at) = find(&self.entries[around..], entry) {
                 self.entries.remove(around + at);
-            } else if self.entries.len() < CAPACITY {
+            } else if self.entries.len() < MAX_DIELECTRICS {
                 // A dielectric that is left later was entered earlier.
                 self.entries.insert(0, entry);
                 around += 1;
@@ -204,7 +205,7 @@ impl InteriorList {
         if leaving {
             find(&self.entries, entry).or_else(|| self.push_outermost(entry)).map(InterfaceEvent::Leave)
         } else {
-            (self.entries.len() < CAPACITY).then_some(InterfaceEvent::Enter(entry))
+            (self.entries.len() < MAX_DIELECTRICS).then_some(InterfaceEvent::Enter(entry))
         }
     }
 
@@ -231,14 +232,14 @@ impl InteriorList {
     }
 
     fn push(&mut self, entry: MediumEntry) {
-        if self.entries.len() < CAPACITY {
+        if self.entries.len() < MAX_DIELECTRICS {
             self.entries.push(entry);
         }
     }
 
     /// Adds a dielectric that was never entered as the outermost one. Returns its index.
     fn push_outermost(&mut self, entry: MediumEntry) -> Option<usize> {
-        (self.entries.len() < CAPACITY).then(|| {
+        (self.entries.len() < MAX_DIELECTRICS).then(|| {
             self.entries.insert(0, entry);
             0
         })
@@ -290,6 +291,18 @@ impl InteriorLists {
     /// Removes all lists that were added when there were this many entries, or later.
     pub(crate) fn truncate(&mut self, len: usize) {
         self.entries.truncate(len);
+    }
+
+    /// Removes all lists from this entry on but those of the ranges, which are changed.
+    pub(crate) fn keep_only<'a>(&mut self, first: usize, ranges: impl Iterator<Item = &'a mut ListRange>) {
+        let mut kept = Vec::new();
+        for range in ranges.filter(|range| range.start as usize >= first) {
+            let start = range.start as usize;
+            range.start = (first + kept.len()) as u32;
+            kept.extend_from_slice(self.entries.get(start..start + range.len as usize).unwrap_or(&[]));
+        }
+        self.entries.truncate(first);
+        self.entries.append(&mut kept);
     }
 
     /// Adds a list.

@@ -37,7 +37,7 @@ use wave::{RayTreeBatch, RayTreeStreams};
 /// Whitted's integrator (1980): local Phong shading with shadow rays, mirror reflection and refraction.
 ///
 /// Waves hold many camera rays (Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs", 2013).
-/// A wave traces their rays after the same number of bounces to their closest hits, then all shadow rays from there.
+/// A wave traces their rays after the same number of surfaces to their closest hits, then all shadow rays from there.
 ///
 /// `max_depth` and `min_contribution` limit the ray tree of a camera ray, not the stack of the thread. Shading in lanes is in `f32`;
 /// positions, hits and sums are `f64`. The radiance of a camera ray is bit-identical in every wave, with every instruction set, and with

@@ -22,11 +22,18 @@ pub(crate) fn parse(arguments: impl Iterator<Item = OsString>) -> Result<Cli, Er
     let arguments: Vec<OsString> = arguments.collect();
     let has_leading_option = arguments.get(1).is_some_and(|first| is_option(first));
     Cli::try_parse_from(with_default_command(arguments)).map_err(|mut error| {
-        if has_leading_option && error.kind() == ErrorKind::MissingRequiredArgument {
+        if has_leading_option && lacks_scene(&error) {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![StyledStr::from(NO_SCENE)]));
         }
         error
     })
+}
+
+/// True if the scene is missing, and not an option that another one requires.
+fn lacks_scene(error: &Error) -> bool {
+    let is_scene = |argument: &String| argument.contains("SCENE");
+    error.kind() == ErrorKind::MissingRequiredArgument
+        && matches!(error.get(ContextKind::InvalidArg), Some(ContextValue::Strings(missing)) if missing.iter().any(is_scene))
 }
 
 /// Inserts `render` if the first argument is a file or an option instead of a command. The program's name precedes it.
@@ -103,7 +110,13 @@ mod tests {
         for line in ["rt-cli --size 64x40", "rt-cli -q --spp 4"] {
             assert!(message(line).contains(NO_SCENE), "{}", message(line));
         }
-        for line in ["rt-cli render", "rt-cli --size 64", "rt-cli view --spp 4"] {
+        for line in [
+            "rt-cli render",
+            "rt-cli --size 64",
+            "rt-cli view --spp 4",
+            "rt-cli --animation run scene.ron",
+            "rt-cli --target-error-pixels 95 scene.ron",
+        ] {
             assert!(!message(line).contains(NO_SCENE), "{}", message(line));
         }
     }

@@ -3,16 +3,13 @@
 use bytesize::ByteSize;
 use comfy_table::{CellAlignment, Table, presets};
 use rt_image::{Image, MAX_READ_PIXELS};
+use rt_render::{MAX_DIELECTRICS, MAX_NULL_INTERFACES};
 use rt_scene_io::limits::{self, Amount};
 
 use crate::args;
 use crate::console::print;
 use crate::error::CliError;
 use crate::memory;
-
-/// Limits of integrators, which are constants of rt-shading (`interior_list.rs`, `hit_context.rs`).
-const RENDERING: [[&str; 2]; 2] =
-    [["dielectrics around a point", "32"], ["null interfaces in a row, before each costs a bounce", "1024"]];
 
 pub(super) fn run() -> Result<(), CliError> {
     let mut table = Table::new();
@@ -30,8 +27,11 @@ pub(super) fn run() -> Result<(), CliError> {
         let flag = limit.flag.unwrap_or_default();
         table.add_row([limit.what, &limit.max.to_string(), limit.applies_to, flag]);
     }
-    for [what, max] in RENDERING {
-        table.add_row([what, max, "every scene and model", ""]);
+    for (what, max) in [
+        ("dielectrics around a point", MAX_DIELECTRICS as u64),
+        ("null interfaces in a row, before each costs a bounce", MAX_NULL_INTERFACES.into()),
+    ] {
+        table.add_row([what, &Amount::Count(max).to_string(), "every scene and model", ""]);
     }
     let read = Amount::Count(MAX_READ_PIXELS).to_string();
     table.add_row(["pixels of an input image", &read, "compare, develop", ""]);

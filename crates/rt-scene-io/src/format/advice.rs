@@ -55,12 +55,14 @@ impl<'t> Explainer<'t> {
     pub(super) fn duplicate_field(&self, cursor: &Cursor<'t>, at: usize, field: &str) -> ParseError {
         let spelling = cursor.group(self.text).and_then(|group| {
             let container = cursor.container();
+            let parent =
+                container.last().and_then(|key| if let Key::Name(parent) = key { Some(*parent) } else { None });
             let end = group.range.end;
             let mut found = None;
             Cursor::walk(self.text, end, |inner, name, start| {
                 if start >= group.range.start
                     && inner.container() == container
-                    && deprecated::present_spellings(name).any(|present| present == field)
+                    && deprecated::present_spellings(name, parent).any(|present| present == field)
                 {
                     found = Some((start, name));
                 }

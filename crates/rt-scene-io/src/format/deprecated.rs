@@ -49,7 +49,7 @@ const DEPRECATED: [Deprecated; 32] = [
     field(AREA_LIGHTS, "color", "radiance"),
     field(AREA_LIGHTS, "colour", "radiance"),
     field(&["sphere", "disk"], "centre", "center"),
-    field(&[], "grey", "gray"),
+    choice_with_value("grey", "gray"),
     choice(&["settings"], "integrator", "caustics", "path_caustics"),
     choice(&["settings"], "integrator", "ao", "ambient_occlusion"),
     choice(&["settings"], "sampler", "center", "centre"),
@@ -61,6 +61,11 @@ const DEPRECATED: [Deprecated; 32] = [
 
 const fn field(parents: &'static [&'static str], old: &'static str, new: &'static str) -> Deprecated {
     Deprecated { parents, choice_of: None, old, new }
+}
+
+/// Spelling of a choice with a value.
+const fn choice_with_value(old: &'static str, new: &'static str) -> Deprecated {
+    Deprecated { parents: &[], choice_of: None, old, new }
 }
 
 /// Spelling of a choice for a field.
@@ -80,9 +85,11 @@ impl Deprecated {
     }
 }
 
-/// Present spellings of a deprecated field: several if parents differ, none for all other words.
-pub(super) fn present_spellings(old: &str) -> impl Iterator<Item = &'static str> {
-    let deprecated = DEPRECATED.iter().filter(move |spelling| spelling.choice_of.is_none() && spelling.old == old);
+/// Present spellings of a deprecated field: several if parents differ, none for all other words. A `parent` limits them to its own.
+pub(super) fn present_spellings(old: &str, parent: Option<&str>) -> impl Iterator<Item = &'static str> {
+    let deprecated = DEPRECATED.iter().filter(move |spelling| {
+        spelling.choice_of.is_none() && spelling.old == old && parent.is_none_or(|parent| spelling.is_below(parent))
+    });
     deprecated.map(|spelling| spelling.new)
 }
 
@@ -258,6 +265,10 @@ mod tests {
         let json = r#"{"nodes": [], "materials": {"m": {"diffuse": {"albedo": 1, "color": 2}}}}"#;
         let ron = parse_ron(ron, Path::new("s.ron")).expect_err("twice").to_string();
         let json = parse_json(json, Path::new("s.json")).expect_err("twice").to_string();
+        // Other materials have `color` in place of `diffuse`, but this one has both.
+        let phong = "(nodes: [], materials: {\"m\": phong(color: 1, diffuse: 0.5, diffuse: 0.6)})";
+        let phong = parse_ron(phong, Path::new("s.ron")).expect_err("twice").to_string();
+        assert!(phong.contains("the field `diffuse` is given twice"), "{phong}");
         assert!(ron.starts_with("s.ron:1:49: `color` and `intensity` are the same field: remove `color`"), "{ron}");
         assert!(json.starts_with("s.json:1:60: `color` and `albedo` are the same field: remove `color`"), "{json}");
         let twice = parse_ron("(nodes: [(shape: sphere(radius: 1, radius: 2))])", Path::new("s.ron"));

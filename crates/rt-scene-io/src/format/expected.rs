@@ -55,7 +55,7 @@ impl Schema {
                 let find = |name: &str| {
                     of("properties").into_iter().find_map(|fields| fields.as_object()?.get_key_value(name))
                 };
-                let known = find(name).or_else(|| deprecated::present_spellings(name).find_map(find));
+                let known = find(name).or_else(|| deprecated::present_spellings(name, None).find_map(find));
                 match known {
                     Some((name, field)) => return Some(self.expand(vec![field], name)),
                     None => of("additionalProperties").into_iter().filter(|any| any.is_object()).collect(),

@@ -68,7 +68,7 @@ fn what_is_left_without_having_been_entered_lay_below_all_else() {
 fn a_full_list_refuses_more() {
     let materials = materials(&[0, 0]);
     let mut interior = InteriorList::default();
-    for object in 0..CAPACITY as u32 {
+    for object in 0..MAX_DIELECTRICS as u32 {
         cross(&mut interior, &materials, &hit(object, 0), false);
     }
     assert!(interior.interface(&materials, hit(99, 0).medium_entry(), false).is_none());
@@ -102,8 +102,13 @@ fn lists_of_streams_are_read_as_they_were_added() {
     let behind = lists.push_behind(&interior, noted.event);
     lists.read(behind, &mut interior);
     assert_eq!(interior.entries, [two[0]]);
-    lists.truncate(3);
-    assert_eq!(lists.len(), 3);
+    let mut ranges = [ListRange::default(), changed, around];
+    lists.keep_only(1, ranges.iter_mut());
+    assert_eq!((ranges[0], ranges[2], lists.len()), (ListRange::default(), around, 3));
+    lists.read(ranges[1], &mut interior);
+    assert_eq!(interior.entries, [MediumEntry { object: 8, material: 1 }, two[0]]);
+    lists.truncate(1);
+    assert_eq!(lists.len(), 1);
 }
 
 #[test]

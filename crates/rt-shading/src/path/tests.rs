@@ -278,7 +278,7 @@ fn glass_neither_makes_nor_loses_light() {
     furnace(glass(1.0, 0.5, 0.0)).assert_shows(paths(5), straight, rt_math::transcendental::exp(-1.0));
 }
 
-/// Each thin_glass was entered as a dielectric and never left, until the list of dielectrics was full and further panes
+/// Each pane of thin glass was entered as a dielectric and never left. The list of dielectrics was full at last, and further panes
 /// were not seen.
 #[test]
 fn forty_panes_of_thin_glass_each_take_their_part() {

@@ -46,7 +46,7 @@ impl<E: Element> DeltaStreams<E> {
 #[derive(Clone, Debug)]
 pub(crate) struct ShadowRayStream<E: Element> {
     rays: RayStream,
-    /// Index of the camera ray.
+    /// Index of the camera ray, or under `whitted` of the branch of its ray tree.
     sample: StreamArray<u32>,
     /// Radiance in the pixel.
     radiance: [StreamArray<E>; 3],

@@ -33,7 +33,7 @@ pub(super) struct HitGroup<'a, L: LaneSet> {
     pub(super) at: usize,
     /// Lanes that hit, and whose surface is visible.
     pub(super) mask: u8,
-    /// Weights of the radiance in the pixel, after absorption.
+    /// Factors of the radiance in the pixel, after absorption.
     pub(super) throughput: Vector3<L::F>,
     /// Lanes whose surface transmits light.
     pub(super) transmits: u8,

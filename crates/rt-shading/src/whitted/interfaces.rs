@@ -53,7 +53,6 @@ impl<E: Element> SpawnedRays<E> {
             let interface =
                 transmission.interface(&mut media.interior, materials, surfaces.medium_entry(lane), is_inside);
             let interface = interface.as_ref();
-            *before = self.lists.push_changed(&media.interior, *before);
             if !transmission.is_visible(material, interface) {
                 group.mask &= !(1 << lane);
                 let MediumEntry { object, material } = surfaces.medium_entry(lane);
@@ -61,6 +60,7 @@ impl<E: Element> SpawnedRays<E> {
                 self.skip_interface_of_ray(inputs, (paths, at), &hit, (interface, length[lane]), radiances);
                 continue;
             }
+            *before = self.lists.push_changed(&media.interior, *before);
             if settings.features.absorption {
                 let mut absorbed = paths.throughput(at);
                 let absorption = media.absorb(materials, interface, t[lane], length[lane], &mut absorbed);

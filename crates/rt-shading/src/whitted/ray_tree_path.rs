@@ -1,4 +1,4 @@
-//! State of a ray in its ray tree.
+//! Rays of ray trees, one by one.
 
 use crate::medium_tracker::RayMedia;
 use rt_math::Rgb;

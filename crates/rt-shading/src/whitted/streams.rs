@@ -3,7 +3,7 @@
 use super::ray_tree_path::RayTreePath;
 use crate::{
     InteriorList,
-    interior_list::InteriorLists,
+    interior_list::{InteriorLists, ListRange},
     lane_set::{Element, LaneSet},
     medium_tracker::RayMedia,
     wavefront::streams::{append, times},
@@ -19,9 +19,9 @@ pub(super) struct RayTreeStream<E: Element> {
     pub(super) branch: StreamArray<u32>,
     /// Bounces so far.
     pub(super) depth: StreamArray<u32>,
-    /// Weight of its radiance in the pixel.
+    /// Factors of their radiance in the pixel.
     pub(super) throughput: [StreamArray<E>; 3],
-    /// Media around the rays; not written in scenes without refraction.
+    /// Media around the rays. [`push_lanes`](Self::push_lanes) does not write them: without refraction, all rays are in air.
     pub(super) media: StreamArray<RayMedia>,
 }
 
@@ -52,10 +52,23 @@ impl<E: Element> RayTreeStream<E> {
 
     /// Lets all rays start in these media: one list for all of them, or one for each; none for air.
     pub(super) fn start_in(&mut self, camera_media: &[InteriorList], lists: &mut InteriorLists) {
-        let mut ranges = camera_media.iter().map(|list| lists.push(list)).collect::<Vec<_>>().into_iter().cycle();
-        for media in self.media.as_mut_slice() {
-            *media = RayMedia::new(ranges.next().unwrap_or_default());
+        match camera_media {
+            [] | [_] => {
+                let list = camera_media.first().map(|list| lists.push(list)).unwrap_or_default();
+                self.media.as_mut_slice().fill(RayMedia::new(list));
+            }
+            of_rays => {
+                for (media, list) in self.media.as_mut_slice().iter_mut().zip(of_rays) {
+                    *media = RayMedia::new(lists.push(list));
+                }
+            }
         }
+    }
+
+    /// Interior lists of the rays.
+    pub(super) fn interiors(&mut self) -> impl Iterator<Item = &mut ListRange> {
+        let len = self.len();
+        self.media.as_mut_slice()[..len].iter_mut().map(|media| &mut media.interior)
     }
 
     /// Appends rays of some lanes, one bounce after those of `paths` from index `at` on, and on the same branches. In scenes without

@@ -1,4 +1,4 @@
-//! Waves of rays: all rays of the ray trees of a batch after the same number of bounces.
+//! Waves of rays: all rays of the ray trees of a batch after the same number of surfaces, null interfaces included.
 //!
 //! ```text
 //!   camera ray ───● mirror ───● glass ─── mirrored ray: the same branch
@@ -24,6 +24,9 @@ use crate::{
 use rt_geometry::{HitStream, RayKind, RayStream, STREAM_CAPACITY};
 use rt_math::Rgb;
 
+/// Entries of interior lists that may be without use.
+const MAX_UNUSED_ENTRIES: usize = if cfg!(test) { 1 << 8 } else { 1 << 16 };
+
 /// Camera rays, the media around the camera, and the radiance of the rays.
 pub(super) struct RayTreeBatch<'a> {
     pub(super) rays: &'a mut RayStream,
@@ -40,7 +43,7 @@ pub(super) struct RayTreeStreams<E: Element> {
     hits: HitStream,
     pub(super) spawned: SpawnedRays<E>,
     /// Radiance of each branch; none beyond the last one.
-    radiance: Vec<RadianceSample>,
+    branch_radiances: Vec<RadianceSample>,
     /// Stack of refracted rays that wait, and behind it empty streams.
     waiting: Vec<WaitingRays<E>>,
     n_waiting: usize,
@@ -69,6 +72,8 @@ pub(super) struct SpawnedRays<E: Element> {
     parents: Vec<u32>,
     /// Interior lists of the rays.
     pub(super) lists: InteriorLists,
+    /// By branch: the list around its ray in this wave, for shadow rays.
+    interiors: Vec<ListRange>,
     /// Media of the ray whose hit is shaded.
     pub(super) media: MediumTracker,
     /// Media before and behind the hits that are shaded together.
@@ -91,6 +96,7 @@ pub(super) struct ShadeRayTreeHits<'a, W, E: Element> {
     pub(super) inputs: &'a RayTreeInputs<'a>,
     pub(super) world: &'a W,
     pub(super) wave: RayTreeWave<'a, E>,
+    /// Radiance of each branch.
     pub(super) radiances: &'a mut [RadianceSample],
 }
 
@@ -130,19 +136,16 @@ impl<E: Element> RayTreeStreams<E> {
         self.start(inputs, rays, camera_media);
         let mut first_kind = RayKind::Primary;
         loop {
-            let Self { reflected, refracted, hits, spawned, radiance, .. } = self;
-            let most_branches = spawned.parents.len() + STREAM_CAPACITY;
-            if radiance.len() < most_branches {
-                radiance.resize(most_branches, RadianceSample::MISS);
+            let Self { reflected, refracted, hits, spawned, branch_radiances: radiances, .. } = self;
+            let max_branches = spawned.parents.len() + STREAM_CAPACITY;
+            if radiances.len() < max_branches {
+                radiances.resize(max_branches, RadianceSample::MISS);
             }
             for (paths, kind) in [(&*reflected, first_kind), (&*refracted, RayKind::Refraction)] {
                 if !paths.is_empty() {
                     world.closest_stream(&paths.rays, kind, hits);
-                    spawned.group(inputs, &*world, (paths, hits), radiance);
-                    E::run(
-                        level,
-                        ShadeRayTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), radiances: radiance },
-                    );
+                    spawned.group(inputs, &*world, (paths, hits), radiances);
+                    E::run(level, ShadeRayTreeHits { spawned, inputs, world: &*world, wave: (paths, hits), radiances });
                 }
             }
             first_kind = RayKind::Reflection;
@@ -152,14 +155,14 @@ impl<E: Element> RayTreeStreams<E> {
                 spawned.lights.streams.iter_mut().for_each(|light| light.trace(world));
             }
             for light in &mut spawned.lights.streams {
-                light.add_unoccluded(|radiance| radiance, radiance);
+                light.add_unoccluded(|radiance| radiance, radiances);
             }
             if !self.next_wave(n_samples) {
                 break;
             }
         }
-        for (radiance_sample, radiance) in radiances.iter_mut().zip(&mut self.radiance) {
-            *radiance_sample = core::mem::replace(radiance, RadianceSample::MISS);
+        for (radiance, of_branch) in radiances.iter_mut().zip(&mut self.branch_radiances) {
+            *radiance = core::mem::replace(of_branch, RadianceSample::MISS);
         }
     }
 
@@ -196,6 +199,10 @@ impl<E: Element> RayTreeStreams<E> {
             *n_waiting += 1;
         }
         if !(reflected.is_empty() && refracted.is_empty()) {
+            let first = n_waiting.checked_sub(1).map_or(0, |last| waiting[last].n_entries);
+            if spawned.lists.len() - first > MAX_UNUSED_ENTRIES {
+                spawned.lists.keep_only(first, reflected.interiors().chain(refracted.interiors()));
+            }
             return true;
         }
         let Some(last) = n_waiting.checked_sub(1) else {
@@ -212,10 +219,10 @@ impl<E: Element> RayTreeStreams<E> {
 
     /// Adds the radiance of the branches from this one on to those that they start from, the last one first, and removes them.
     fn end_branches(&mut self, first: usize) {
-        let Self { spawned: SpawnedRays { parents, .. }, radiance, .. } = self;
+        let Self { spawned: SpawnedRays { parents, .. }, branch_radiances, .. } = self;
         for branch in (first..parents.len()).rev() {
-            let ended = core::mem::replace(&mut radiance[branch], RadianceSample::MISS);
-            radiance[parents[branch] as usize].radiance += ended.radiance;
+            let ended = core::mem::replace(&mut branch_radiances[branch], RadianceSample::MISS);
+            branch_radiances[parents[branch] as usize].radiance += ended.radiance;
         }
         parents.truncate(first);
     }
@@ -236,15 +243,17 @@ impl<E: Element> SpawnedRays<E> {
         world: &mut W,
         wave: [&RayTreeStream<E>; 2],
     ) {
-        let mut ranges = vec![ListRange::default(); self.parents.len()];
+        if self.interiors.len() < self.parents.len() {
+            self.interiors.resize(self.parents.len(), ListRange::default());
+        }
         for paths in wave {
             for at in 0..paths.len() {
-                ranges[paths.branch.get(at) as usize] = paths.media.get(at).interior;
+                self.interiors[paths.branch.get(at) as usize] = paths.media.get(at).interior;
             }
         }
         let interior = |branch: u32| {
             let mut interior = InteriorList::default();
-            self.lists.read(ranges[branch as usize], &mut interior);
+            self.lists.read(self.interiors[branch as usize], &mut interior);
             interior
         };
         let scene = (&inputs.settings.features, inputs.appearance.materials.as_slice());

@@ -279,23 +279,46 @@ fn glass(n_lights: usize) -> Appearance {
 
 #[test]
 fn the_radiance_of_a_ray_depends_on_no_other_ray() {
-    // From 65 lights on, waves have space for fewer rays.
-    for (n_lights, batch) in [(0, 256), (2, 256), (65, 248), (300, 48), (300, 5)] {
-        let appearance = glass(n_lights);
-        let mut world = ShapeWorld::new(appearance.materials.len() as u32, 1.0);
+    // From 65 lights on, waves have space for fewer rays. Fog has null interfaces, and attenuates shadow rays.
+    for (n_lights, batch, has_fog, is_f64) in [
+        (0, 256, false, false),
+        (2, 256, true, false),
+        (65, 248, false, true),
+        (300, 48, true, true),
+        (300, 5, false, false),
+    ] {
+        let mut appearance = glass(n_lights);
+        if has_fog {
+            appearance.materials.extend(self::appearance(1.0).materials.pop());
+        }
+        let n_materials = appearance.materials.len() as u32;
+        let mut world = ShapeWorld::new(n_materials, 1.0);
         let rays = camera_rays(1000, 1.0);
+        let media: Vec<_> = (0..rays.len() as u32)
+            .map(
+                |ray| if ray % 3 == 0 { InteriorList::filled_with(ray % n_materials) } else { InteriorList::default() },
+            )
+            .collect();
+        // One integrator for batches of different sizes, the first and the last of which are alike.
+        let whitted = Whitted::new(6, 1e-6, ShadingFeatures::ALL);
+        let mut whitted = if is_f64 { whitted.in_f64() } else { whitted };
         let mut render = |size: usize| -> Rendered {
-            let mut whitted = Whitted::new(6, 1e-6, ShadingFeatures::ALL);
-            let seen = rays.chunks(size).flat_map(|rays| {
-                in_streams(rays, |_, rays, seen| whitted.radiance_of_stream(&mut world, &appearance, rays, seen))
+            let seen = rays.chunks(size).zip(media.chunks(size)).flat_map(|(rays, media)| {
+                in_streams(rays, |_, rays, seen| {
+                    whitted.set_camera_media(media);
+                    whitted.radiance_of_stream(&mut world, &appearance, rays, seen);
+                })
             });
             (seen.collect(), whitted.take_counts())
         };
         let (alone, expected) = render(1);
-        let (together, counts) = render(batch);
-        assert_same_bits(&alone, &together, &format!("{n_lights} lights"));
-        assert_eq!(counts.without_lanes(), expected.without_lanes(), "{n_lights} lights");
-        assert!(counts.refractions > 2000, "{counts:?}");
+        for size in [batch, 7, batch] {
+            let (together, counts) = render(size);
+            let context = format!("{n_lights} lights, batches of {size}, fog: {has_fog}, f64: {is_f64}");
+            assert_same_bits(&alone, &together, &context);
+            assert_eq!(counts.without_lanes(), expected.without_lanes(), "{context}");
+            assert!(counts.refractions > 2000 && (counts.null_interfaces > 500 || !has_fog), "{counts:?}");
+        }
     }
 }
 

@@ -278,7 +278,7 @@ fn a_dielectric_that_was_never_entered_is_left_as_if_it_had_been() {
 }
 
 #[test]
-fn surroundings_that_are_known_carve_what_the_camera_stands_in() {
+fn camera_media_that_are_known_carve_what_the_camera_stands_in() {
     // In water 0.5 above the bottom of a glass: the ray goes through the water, the glass, and out.
     let shapes = [(slab(-1.0, 1.0), 0), (slab(-9.0, 0.0), 1)];
     let appearance = white_walls(&[dielectric(1.33, 0.5, 0), dielectric(1.5, 0.25, 1)]);
