@@ -27,14 +27,14 @@ pub const fn batch_size(n_delta_lights: usize) -> usize {
 pub(crate) struct DeltaStreams<E: Element> {
     /// Streams, each of the next [`lights_per_stream`](Self::lights_per_stream) lights.
     pub(crate) streams: Vec<ShadowRayStream<E>>,
-    /// Lights for which a stream has space, if each sample has one vertex.
+    /// Lights for which a stream has space, if each ray of a wave has one vertex.
     pub(crate) lights_per_stream: usize,
 }
 
 impl<E: Element> DeltaStreams<E> {
-    /// Makes space for the rays of one vertex of each sample.
-    pub(crate) fn start(&mut self, n_lights: usize, n_samples: usize) {
-        self.lights_per_stream = (STREAM_CAPACITY / n_samples.max(1)).max(1);
+    /// Makes space for the shadow rays of one vertex of each ray of a wave.
+    pub(crate) fn start(&mut self, n_lights: usize, n_rays: usize) {
+        self.lights_per_stream = (STREAM_CAPACITY / n_rays.max(1)).max(1);
         let n_streams = n_lights.div_ceil(self.lights_per_stream);
         if self.streams.len() < n_streams {
             self.streams.resize_with(n_streams, ShadowRayStream::default);
@@ -108,7 +108,8 @@ impl<E: Element> ShadowRayStream<E> {
         }
     }
 
-    /// Version of [`trace`](Self::trace) for scenes with media that shadow rays pass. `interior` has the media of the path of a sample.
+    /// Version of [`trace`](Self::trace) for scenes with media that shadow rays pass. `interior` has the media by the index that each ray
+    /// carries.
     pub(crate) fn trace_through_media(
         &mut self,
         world: &mut impl StreamQueries,
