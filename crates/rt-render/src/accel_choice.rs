@@ -4,6 +4,7 @@ use rt_accel::wide::{Quality, SimdLevel, SmallSet};
 use rt_accel::{AcceleratorKind, AnyAccelerator, BuildError};
 use rt_geometry::{PrimitiveGeometry, Primitives};
 use rt_scene_io::{Accel, Scene};
+use rt_shading::LaneLevel;
 
 use crate::plan_options::PlanOptions;
 
@@ -32,6 +33,15 @@ pub(crate) struct AccelOptions {
 impl AccelOptions {
     pub(crate) const fn new(scene: &Scene, options: &PlanOptions) -> Self {
         Self { accel: scene.settings.accel, simd: options.simd, quality: options.quality }
+    }
+
+    /// Instructions for shading in lanes; `None` for one hit at a time.
+    pub(crate) fn lane_level(self) -> Option<LaneLevel> {
+        match self.simd {
+            Some(SimdLevel::Portable) => None,
+            Some(SimdLevel::Avx2) => LaneLevel::avx2(),
+            Some(SimdLevel::Avx512) | None => LaneLevel::best(),
+        }
     }
 }
 

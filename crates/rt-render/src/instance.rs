@@ -265,6 +265,13 @@ impl Instances<'_> {
         Some(StreamPrimitive { shape, object, material, light, casts_shadow })
     }
 
+    /// Index of the material of a hit primitive whose texture coordinates are not used. `None` for all others, and for a group.
+    #[inline(always)]
+    pub(crate) fn untextured_material(&self, [instance, primitive]: [u32; 2]) -> Option<u32> {
+        let instance = self.instances.get(if self.is_flat { primitive } else { instance } as usize)?;
+        (!instance.textured).then_some(instance.material)
+    }
+
     /// All instances as primitives of streams; `None` for those that are none. A mesh is one of its triangles.
     pub(crate) fn stream_primitives(&self) -> impl Iterator<Item = Option<StreamPrimitive<'_>>> {
         (0..self.instances.len() as u32).map(|index| self.stream_primitive([index; 2]))

@@ -55,9 +55,11 @@ impl RenderPlan<'_> {
         let appearance = &self.scene.source.appearance;
         LayerContext {
             camera: &self.frame.camera,
+            view_axis: self.frame.camera.view_axis(),
             appearance,
             features: self.surface_features.get_or_init(|| SurfaceFeatures::of_all(appearance)),
             origin: self.scene.space.origin(),
+            lanes: self.scene.accel.lane_level(),
         }
     }
 

@@ -1,15 +1,12 @@
 //! Rendering of a tile.
 
-use rt_accel::{
-    AnyAccelerator,
-    wide::{SimdLevel, SmallSet},
-};
+use rt_accel::{AnyAccelerator, wide::SmallSet};
 use rt_camera::SampleStream;
 use rt_geometry::HitStream;
 use rt_scene_io::Integrator;
 use rt_shading::{
-    Background, InteriorList, LaneLevel, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts,
-    Whitted, batch_size,
+    Background, InteriorList, OcclusionWave, PathTracer, RadianceSample, ReferencePathTracer, ShadingCounts, Whitted,
+    batch_size,
 };
 
 use crate::{
@@ -45,11 +42,7 @@ impl ThreadState {
         if plan.options.precision == Precision::F64 {
             (paths, whitted) = (paths.in_f64(), whitted.in_f64());
         }
-        let lanes = match plan.scene.accel.simd {
-            Some(SimdLevel::Portable) => None,
-            Some(SimdLevel::Avx2) => LaneLevel::avx2(),
-            Some(SimdLevel::Avx512) | None => LaneLevel::best(),
-        };
+        let lanes = plan.scene.accel.lane_level();
         paths.set_lanes(lanes);
         whitted.set_lanes(lanes);
         Self {

@@ -1,9 +1,11 @@
 //! Layers of a tile, accumulated from the hits of its camera rays.
 
+use core::ops::Range;
+
 use rt_camera::Camera;
-use rt_geometry::{Hit, InteractionFlags, SurfaceInteraction};
+use rt_geometry::{Hit, HitStream, InteractionFlags, RayStream, SurfaceInteraction};
 use rt_math::{DVec3, Ray, Rgb};
-use rt_shading::{Appearance, Material, MaterialEvalContext, SurfaceHit, is_inside};
+use rt_shading::{Appearance, LaneLevel, Material, MaterialEvalContext, SurfacePoint, surface_points};
 
 use crate::{
     first_hit_layers::{FAR_DEPTH, FirstHitLayer, MAX_LAYER_SAMPLES},
@@ -26,11 +28,24 @@ pub(crate) struct TileLayers<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct LayerContext<'a> {
     pub(crate) camera: &'a Camera,
+    /// Direction of view of a camera at rest.
+    pub(crate) view_axis: DVec3,
     pub(crate) appearance: &'a Appearance,
     /// Features of materials by index.
     pub(crate) features: &'a [Option<SurfaceFeatures>],
     /// Origin of render space, in world space.
     pub(crate) origin: DVec3,
+    /// Instructions for surfaces in lanes.
+    pub(crate) lanes: Option<LaneLevel>,
+}
+
+impl LayerContext<'_> {
+    /// Depth of a ray at the parameter 1.
+    #[inline(always)]
+    fn depth_of(&self, ray: &Ray) -> f64 {
+        let axis = if self.camera.moves() { self.camera.view_axis_at(ray.time) } else { self.view_axis };
+        ray.direction.dot(axis)
+    }
 }
 
 /// Properties of a material that layers show.
@@ -81,32 +96,86 @@ impl<'a> TileLayers<'a> {
         Self { layers, needs: FirstHitLayer::needs(layers), context, samples, sums, next: (0, 0) }
     }
 
-    /// Adds the next camera rays, with their hits.
-    pub(crate) fn add(&mut self, world: &Instances<'_>, rays: impl ExactSizeIterator<Item = (Ray, Option<Hit>)>) {
-        let mut rest = rays;
-        while let (true, Some(&samples)) = (rest.len() > 0, self.samples.get(self.next.0)) {
-            let count = rest.len().min((samples - self.next.1) as usize);
-            let used = count.min(MAX_LAYER_SAMPLES.saturating_sub(self.next.1) as usize);
-            let sums = &mut self.sums[self.next.0];
-            for (ray, hit) in rest.by_ref().take(used) {
-                let Some(hit) = hit else { continue };
-                // The surface is large, and not moved.
-                if let Some(surface) = &world.surface(&ray, &hit, self.needs) {
-                    sums.add(&self.context, &ray, surface);
-                    if sums.hits == 1 {
-                        let [object, instance] = world.ids(&hit).unwrap_or([u32::MAX; 2]);
-                        sums.ids = [object, surface.material, instance].map(|id| id.saturating_add(1));
-                    }
-                }
-            }
-            if count > used {
-                rest.nth(count - used - 1);
-            }
-            self.next.1 += count as u32;
-            if self.next.1 == samples {
-                self.next = (self.next.0 + 1, 0);
-            }
+    /// Adds the camera rays of a stream, with their hits.
+    pub(crate) fn add_stream(&mut self, world: &Instances<'_>, rays: &RayStream, hits: &HitStream) {
+        let mut first = 0;
+        while first < rays.len() {
+            let Some((pixel, count, used)) = self.take(rays.len() - first) else { return };
+            self.add_samples(world, (rays, hits), first..first + used, pixel);
+            first += count;
         }
+    }
+
+    /// Adds a camera ray, with its hit.
+    pub(crate) fn add(&mut self, world: &Instances<'_>, ray: &Ray, hit: Option<&Hit>) {
+        if let Some((pixel, _, 1)) = self.take(1)
+            && let Some(hit) = hit
+        {
+            self.add_hit(world, ray, hit, pixel);
+        }
+    }
+
+    /// Counts up to `limit` camera rays as those of the next pixel. Returns the pixel, their number, and how many of these the layers
+    /// use. `None` if no pixel is left.
+    fn take(&mut self, limit: usize) -> Option<(usize, usize, usize)> {
+        while self.samples.get(self.next.0)? == &self.next.1 {
+            self.next = (self.next.0 + 1, 0);
+        }
+        let (pixel, so_far) = self.next;
+        let count = limit.min((self.samples[pixel] - so_far) as usize);
+        let used = count.min(MAX_LAYER_SAMPLES.saturating_sub(so_far) as usize);
+        self.next.1 += count as u32;
+        Some((pixel, count, used))
+    }
+
+    /// Adds camera rays of a pixel. Surfaces without textures are computed in lanes, and all others one by one.
+    fn add_samples(
+        &mut self,
+        world: &Instances<'_>,
+        (rays, hits): (&RayStream, &HitStream),
+        range: Range<usize>,
+        pixel: usize,
+    ) {
+        let features = self.context.features;
+        let plain = |ids| {
+            let material = world.untextured_material(ids)?;
+            Some((material, features.get(material as usize)?.as_ref()?))
+        };
+        let ids = |at| [hits.instance.get(at), hits.primitive.get(at)];
+        let shape = |at| {
+            let is_plain = hits.primitive.get(at) != HitStream::NONE && plain(ids(at)).is_some();
+            if is_plain { Some(world.stream_primitive(ids(at))?.shape) } else { None }
+        };
+        surface_points(self.context.lanes, (rays, hits), range, shape, |at, surface| {
+            let Some(hit) = hits.get(at) else { return };
+            let (ray, _) = rays.get(at);
+            match (surface, plain(ids(at))) {
+                (Some(surface), Some((material, features))) => {
+                    let sums = &mut self.sums[pixel];
+                    let is_inside = sums.add(surface, [0.0; 2], &ray, hit.t * self.context.depth_of(&ray));
+                    sums.add_features(features, is_inside);
+                    sums.set_ids(world, &hit, material);
+                }
+                _ => self.add_hit(world, &ray, &hit, pixel),
+            }
+        });
+    }
+
+    /// Adds a hit of a camera ray.
+    fn add_hit(&mut self, world: &Instances<'_>, ray: &Ray, hit: &Hit, pixel: usize) {
+        // The surface is large, and not moved.
+        let Some(surface) = &world.surface(ray, hit, self.needs) else { return };
+        let (context, sums) = (&self.context, &mut self.sums[pixel]);
+        let SurfaceInteraction { point, geometric_normal, shading_normal, uv, .. } = surface.interaction;
+        let at = SurfacePoint { point, geometric_normal, shading_normal };
+        let is_inside = sums.add(&at, uv, ray, surface.t * context.depth_of(ray));
+        let (appearance, material) = (context.appearance, surface.material as usize);
+        if let Some(Some(features)) = context.features.get(material) {
+            sums.add_features(features, is_inside);
+        } else if let Some(material) = appearance.materials.get(material) {
+            sums.add_features(&SurfaceFeatures::at(appearance, material, &surface.interaction), is_inside);
+        }
+        sums.set_ids(world, hit, surface.material);
     }
 
     /// Channels of all layers, each with a value per pixel.
@@ -122,24 +191,34 @@ impl<'a> TileLayers<'a> {
 }
 
 impl PixelSums {
-    fn add(&mut self, context: &LayerContext<'_>, ray: &Ray, surface: &SurfaceHit) {
-        let interaction = &surface.interaction;
+    /// Adds a surface that a ray hits at a depth; returns true if it is seen from behind.
+    #[inline(always)]
+    fn add(&mut self, surface: &SurfacePoint, uv: [f64; 2], ray: &Ray, depth: f64) -> bool {
         self.hits += 1;
-        self.depth += surface.t * ray.direction.dot(context.camera.view_axis_at(ray.time));
-        self.position += interaction.point;
-        let is_inside = is_inside(ray.direction, interaction);
+        self.depth += depth;
+        self.position += surface.point;
+        let is_inside = ray.direction.dot(surface.geometric_normal) > 0.0;
         let towards_viewer = if is_inside { -1.0 } else { 1.0 };
-        self.normal += interaction.shading_normal * towards_viewer;
-        self.geometric_normal += interaction.geometric_normal * towards_viewer;
-        self.uv[0] += interaction.uv[0];
-        self.uv[1] += interaction.uv[1];
-        let appearance = context.appearance;
-        let material = surface.material as usize;
-        let here = || Some(SurfaceFeatures::at(appearance, appearance.materials.get(material)?, interaction));
-        if let Some(features) = context.features.get(material).copied().flatten().or_else(here) {
-            self.albedo += features.albedo;
-            self.roughness += features.roughness;
-            self.emission += features.emission[usize::from(is_inside)];
+        self.normal += surface.shading_normal * towards_viewer;
+        self.geometric_normal += surface.geometric_normal * towards_viewer;
+        self.uv[0] += uv[0];
+        self.uv[1] += uv[1];
+        is_inside
+    }
+
+    #[inline(always)]
+    fn add_features(&mut self, features: &SurfaceFeatures, is_inside: bool) {
+        self.albedo += features.albedo;
+        self.roughness += features.roughness;
+        self.emission += features.emission[usize::from(is_inside)];
+    }
+
+    /// Keeps the numbers of the first hit.
+    #[inline(always)]
+    fn set_ids(&mut self, world: &Instances<'_>, hit: &Hit, material: u32) {
+        if self.hits == 1 {
+            let [object, instance] = world.ids(hit).unwrap_or([u32::MAX; 2]);
+            self.ids = [object, material, instance].map(|id| id.saturating_add(1));
         }
     }
 

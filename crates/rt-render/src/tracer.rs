@@ -97,7 +97,7 @@ impl SceneQueries for SceneTracer<'_> {
         }
         let hit = self.target(kind).closest(self.world, ray, span, &mut self.probe);
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
-            layers.add(self.world, core::iter::once((*ray, hit)));
+            layers.add(self.world, ray, hit.as_ref());
         }
         self.world.surface(ray, &hit?, needs)
     }
@@ -132,7 +132,7 @@ impl StreamQueries for SceneTracer<'_> {
             self.batch = batch;
         }
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
-            layers.add(world, (0..rays.len()).map(|at| (rays.get(at).0, hits.get(at))));
+            layers.add_stream(world, rays, hits);
         }
     }
 

@@ -125,6 +125,8 @@ pub use scene_queries::{RadianceSample, SceneQueries, SurfaceHit};
 pub use shading_features::ShadingFeatures;
 pub use stream_queries::{SingleQueries, StreamPrimitive, StreamQueries, StreamShape, StreamTriangle};
 pub use texture::{Bitmap, Texture, TextureId, TexturePoint, UvMap, Wrap};
-pub use viewed_surface::is_inside;
-pub use wavefront::streams::batch_size;
+pub use wavefront::{
+    streams::batch_size,
+    surface_points::{SurfacePoint, surface_points},
+};
 pub use whitted::{ShadingCounts, Whitted};

@@ -104,7 +104,7 @@ impl<'s> ViewedSurface<'s> {
 
 /// True if a ray comes from behind the surface: from the inside of a closed shape.
 #[inline]
-pub fn is_inside(direction: DVec3, surface: &SurfaceInteraction) -> bool {
+pub(crate) fn is_inside(direction: DVec3, surface: &SurfaceInteraction) -> bool {
     direction.dot(surface.geometric_normal) > 0.0
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod gathered_shapes;
 pub(crate) mod hit_points;
 pub(crate) mod shaded_surface;
 pub(crate) mod streams;
+pub(crate) mod surface_points;
 #[cfg(test)]
 pub(crate) mod test_world;
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use rt_accel::wide::SimdLevel;
 use rt_camera::{CameraSettings, FovAxis, Lens, Projection, SamplerKind};
 use rt_geometry::{MeshData, Rectangle, Shape};
 use rt_math::{DVec3, Rgb, Transform, Vec3};
@@ -111,6 +112,9 @@ fn layers_do_not_depend_on_threads_accelerator_trimming_or_crop() {
         other.settings.accel = accel;
         assert_eq!(all(&compile(&other), 2), expected, "{accel:?}");
     }
+    let portable = PlanOptions { simd: Some(SimdLevel::Portable), ..PlanOptions::default() };
+    assert_eq!(all(&compile_with(&scene, portable), 2), expected, "one hit at a time");
+    // Here all surfaces are computed one by one, without lanes.
     for (values, of_full) in expected.iter().zip(all(&compile_with(&scene, full()), 2)) {
         // A full plan keeps the coordinates of surfaces without textures.
         assert!(values.layer == FirstHitLayer::Uv || *values == of_full, "{:?}", values.layer);
