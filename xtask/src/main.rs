@@ -31,7 +31,6 @@ mod files;
 mod line_fit;
 mod matrix;
 mod number;
-mod process;
 #[path = "../../crates/rt-cli/src/processor.rs"]
 mod processor;
 mod regress;

@@ -2,10 +2,7 @@
 //!
 //! Counts come from a render that counts, times from one that does not.
 
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::{path::Path, time::Duration};
 
 use crate::{
     error::TaskError,
@@ -67,10 +64,10 @@ fn origin(processor: &str, commit: &str) -> String {
 
 /// Wall-clock seconds of the whole program on one thread.
 fn time(renderer: &Renderer, folder: &Path, scene: &Path, accel: &str) -> Result<f64, TaskError> {
-    let started = Instant::now();
-    renderer.render(folder, scene, "picture.png", ["--threads", "1", "--accel", accel])?;
-    let seconds = started.elapsed().as_secs_f64();
-    Ok(seconds)
+    let scene = scene.to_string_lossy();
+    let args =
+        ["render", &scene, "-o", "picture.png", "--quiet", "--dither", "off", "--threads", "1", "--accel", accel];
+    Ok(renderer.measure(folder, &args)?.wall_seconds)
 }
 
 fn table(rows: &[Table1Row]) -> Table {

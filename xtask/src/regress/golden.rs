@@ -18,17 +18,16 @@ struct Golden {
 }
 
 /// One unit per folder.
-pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
-    let cases = workspace.files("tests/golden", "case.toml")?;
-    let folders = cases.iter().filter_map(|case| case.parent());
-    Ok(folders.map(|folder| Box::new(Golden { folder: folder.to_path_buf() }) as Box<dyn Unit>).collect())
+pub(super) fn units(workspace: &Workspace) -> Result<Vec<Unit>, TaskError> {
+    let unit = |case: &PathBuf| {
+        let golden = Golden { folder: case.parent()?.to_path_buf() };
+        let name = format!("golden/{}", golden.folder.file_name()?.to_string_lossy());
+        Some(Unit::new(name, move |context, folder, findings| golden.run(context, folder, findings)))
+    };
+    Ok(workspace.files("tests/golden", "case.toml")?.iter().filter_map(unit).collect())
 }
 
-impl Unit for Golden {
-    fn name(&self) -> String {
-        format!("golden/{}", self.folder.file_name().unwrap_or_default().to_string_lossy())
-    }
-
+impl Golden {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let case = GoldenCase::load(&self.folder)?;
         if let Some(actual) = render(context, folder, &self.folder, &case, "actual.png", findings)? {
@@ -49,9 +48,7 @@ impl Unit for Golden {
         }
         Ok(())
     }
-}
 
-impl Golden {
     fn compare(
         &self,
         context: &Context,

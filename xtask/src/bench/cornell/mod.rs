@@ -1,13 +1,16 @@
 //! Cornell box against a reference: error, time, and efficiency 1 / (MSE · seconds), compared with other renderers.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use rt_image::{Image, read_image};
 
 use super::common::print;
 use crate::{
     error::TaskError,
-    process::{Program, Usage},
+    renderer::{Renderer, Usage},
     workspace::Workspace,
 };
 
@@ -46,12 +49,13 @@ pub(super) struct CornellOptions {
 pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(), TaskError> {
     let reference = ReferenceImage::new(read(&options.reference)?, options.noise);
     let path = workspace.build_release_renderer()?;
-    let program = Program { path, folder: workspace.fresh_folder("bench-cornell")? };
+    let folder = workspace.fresh_folder("bench-cornell")?;
+    let renderer = Renderer::new(path, Duration::MAX);
     let scene = workspace.root.join(SCENE);
     let mut figures = Vec::new();
     for threads in [Some(1), None] {
         for &spp in &options.spp {
-            figures.push(figure(&program, &scene, &reference, options, (threads, spp))?);
+            figures.push(figure((&renderer, &folder), &scene, &reference, options, (threads, spp))?);
         }
     }
     let results = CornellResults {
@@ -68,7 +72,7 @@ pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(),
 
 /// Renders with all seeds.
 fn figure(
-    program: &Program,
+    (renderer, folder): (&Renderer, &Path),
     scene: &Path,
     reference: &ReferenceImage,
     options: &CornellOptions,
@@ -76,8 +80,8 @@ fn figure(
 ) -> Result<CornellResult, TaskError> {
     let runs: Vec<(Usage, Errors)> = (1..=options.seeds)
         .map(|seed| {
-            let used = render(program, scene, options, (threads, spp, seed))?;
-            let errors = reference.measure(&read(&program.folder.join(IMAGE))?);
+            let used = render((renderer, folder), scene, options, (threads, spp, seed))?;
+            let errors = reference.measure(&read(&folder.join(IMAGE))?);
             let other_size =
                 || TaskError::Other(format!("{}: the size differs from that of {SCENE}", options.reference.display()));
             Ok((used, errors.ok_or_else(other_size)?))
@@ -101,7 +105,7 @@ fn figure(
 const IMAGE: &str = "picture.pfm";
 
 fn render(
-    program: &Program,
+    (renderer, folder): (&Renderer, &Path),
     scene: &Path,
     options: &CornellOptions,
     (threads, spp, seed): (Option<u32>, u32, u32),
@@ -112,7 +116,7 @@ fn render(
     args.extend(["--sampler", &options.sampler, "--passes", &passes]);
     let threads = threads.map(|threads| threads.to_string());
     args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
-    program.run(&args)
+    renderer.measure(folder, &args)
 }
 
 fn read(path: &Path) -> Result<Image, TaskError> {
