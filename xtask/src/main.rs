@@ -29,7 +29,6 @@ mod error;
 mod figures;
 mod files;
 mod line_fit;
-mod matrix;
 mod number;
 #[path = "../../crates/rt-cli/src/processor.rs"]
 mod processor;
@@ -43,6 +42,7 @@ mod table;
 mod table1;
 mod terarays;
 mod tidy;
+mod timings;
 mod workspace;
 
 use error::TaskError;

@@ -12,10 +12,10 @@ use rt_geometry::MeshData;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{common::print, timing_stats::Spread};
+use super::common::print;
 use crate::{
     error::TaskError, files, number::three_digits, renderer::Renderer, scenes::rock_data, table::Table,
-    workspace::Workspace,
+    timings::Spread, workspace::Workspace,
 };
 
 #[derive(Debug, clap::Args)]

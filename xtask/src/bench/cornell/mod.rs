@@ -70,6 +70,9 @@ pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(),
     print(&results, &results)
 }
 
+/// Radiance in single precision, so that no error is that of the file.
+const IMAGE: &str = "picture.pfm";
+
 /// Renders with all seeds.
 fn figure(
     (renderer, folder): (&Renderer, &Path),
@@ -78,15 +81,20 @@ fn figure(
     options: &CornellOptions,
     (threads, spp): (Option<u32>, u32),
 ) -> Result<CornellResult, TaskError> {
-    let runs: Vec<(Usage, Errors)> = (1..=options.seeds)
-        .map(|seed| {
-            let used = render((renderer, folder), scene, options, (threads, spp, seed))?;
-            let errors = reference.measure(&read(&folder.join(IMAGE))?);
-            let other_size =
-                || TaskError::Other(format!("{}: the size differs from that of {SCENE}", options.reference.display()));
-            Ok((used, errors.ok_or_else(other_size)?))
-        })
-        .collect::<Result<_, TaskError>>()?;
+    let scene = scene.to_string_lossy();
+    let run = |seed: u32| {
+        let [spp, seed, passes] = [spp, seed, options.passes].map(|number| number.to_string());
+        let mut args = vec!["render", &scene, "-o", IMAGE, "--quiet", "--spp", &spp, "--seed", &seed];
+        args.extend(["--sampler", &options.sampler, "--passes", &passes]);
+        let threads = threads.map(|threads| threads.to_string());
+        args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
+        let used = renderer.measure(folder, &args)?;
+        let errors = reference.measure(&read(&folder.join(IMAGE))?);
+        let other_size =
+            || TaskError::Other(format!("{}: the size differs from that of {SCENE}", options.reference.display()));
+        Ok((used, errors.ok_or_else(other_size)?))
+    };
+    let runs = (1..=options.seeds).map(run).collect::<Result<Vec<(Usage, Errors)>, TaskError>>()?;
     let mean = |of: fn(&(Usage, Errors)) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
     let (mse, cpu_seconds) = (mean(|(_, errors)| errors.mse), mean(|(used, _)| used.cpu_seconds));
     Ok(CornellResult {
@@ -99,24 +107,6 @@ fn figure(
         mean_ratio: mean(|(_, errors)| errors.mean_ratio),
         efficiency: 1.0 / (mse * cpu_seconds),
     })
-}
-
-/// Radiance in single precision, so that no error is that of the file.
-const IMAGE: &str = "picture.pfm";
-
-fn render(
-    (renderer, folder): (&Renderer, &Path),
-    scene: &Path,
-    options: &CornellOptions,
-    (threads, spp, seed): (Option<u32>, u32, u32),
-) -> Result<Usage, TaskError> {
-    let scene = scene.to_string_lossy();
-    let [spp, seed, passes] = [spp, seed, options.passes].map(|number| number.to_string());
-    let mut args = vec!["render", &scene, "-o", IMAGE, "--quiet", "--spp", &spp, "--seed", &seed];
-    args.extend(["--sampler", &options.sampler, "--passes", &passes]);
-    let threads = threads.map(|threads| threads.to_string());
-    args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
-    renderer.measure(folder, &args)
 }
 
 fn read(path: &Path) -> Result<Image, TaskError> {

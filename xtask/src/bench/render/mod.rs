@@ -8,14 +8,12 @@ use std::{
 
 use rt_accel::AcceleratorKind;
 
-use super::{
-    common::{accelerator, print},
-    timing_stats::Spread,
-};
+use super::common::{accelerator, print};
 use crate::{
     error::TaskError,
     renderer::{Renderer, Usage},
     statistics,
+    timings::Spread,
     workspace::{Workspace, output_of, sorted_entries},
 };
 
