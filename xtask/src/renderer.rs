@@ -177,29 +177,23 @@ fn wait(child: &mut Child, timeout: Duration) -> std::io::Result<Exit> {
 mod tests {
     use super::*;
 
-    fn shell(script: &str, timeout: Duration) -> Run {
+    #[test]
+    fn exits_are_distinct_and_output_is_kept() {
         let folder = tempfile::tempdir().unwrap();
-        Renderer::new("sh".into(), timeout).run(folder.path(), ["-c", script]).unwrap()
+        let (long, short) = (Duration::from_secs(60), Duration::from_millis(50));
+        for (script, timeout, exit, log, problem) in [
+            ("echo out; echo err >&2; exit 3", long, Exit::Code(3), "out\nerr\n", "exit code 3: err"),
+            ("kill -SEGV $$", long, Exit::Crashed, "", "crashed: no message"),
+            ("exec sleep 600", short, Exit::TimedOut(short), "", "stopped after 0 s: no message"),
+        ] {
+            let run = Renderer::new("sh".into(), timeout).run(folder.path(), ["-c", script]).unwrap();
+            assert_eq!((run.exit, run.log.as_str()), (exit, log), "{script}");
+            assert_eq!(run.succeeded().unwrap_err().to_string(), problem, "{script}");
+        }
+        let run = Renderer::new("true".into(), long).run(folder.path(), [""]).unwrap();
+        assert!(run.succeeded().is_ok());
     }
 
-    #[test]
-    fn code_and_output_are_reported() {
-        let run = shell("echo out; echo err >&2; exit 3", Duration::from_secs(60));
-        assert_eq!((run.exit, run.log.as_str()), (Exit::Code(3), "out\nerr\n"));
-        assert_eq!(run.succeeded().unwrap_err().to_string(), "exit code 3: err");
-        assert!(shell("true", Duration::from_secs(60)).succeeded().is_ok());
-    }
-
-    #[test]
-    fn a_crash_is_no_exit_code() {
-        assert_eq!(shell("kill -SEGV $$", Duration::from_secs(60)).exit, Exit::Crashed);
-    }
-
-    #[test]
-    fn a_hanging_program_is_stopped() {
-        let limit = Duration::from_millis(50);
-        assert_eq!(shell("exec sleep 600", limit).exit, Exit::TimedOut(limit));
-    }
     #[test]
     fn sleep_takes_time_on_the_wall_alone_and_failure_is_no_figure() {
         let folder = tempfile::tempdir().unwrap();

@@ -32,10 +32,10 @@ const SHARED: &str = "../shared/reference/physics/pairs";
 const CONVENTIONS: &str = "tests/physics/conventions.json";
 
 /// Work per pair without `--full`.
-const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4, min_samples: 16 };
+const REDUCED: Effort = Effort { max_seeds: 8, divisor: 4, min_samples: 16 };
 /// Work that a pair outside of the project starts with. If it fails, it is compared again with [`REDUCED`]: means of few
 /// samples may be skewed.
-const FIRST: Effort = Effort::Reduced { seeds: 8, divisor: 16, min_samples: 4 };
+const FIRST: Effort = Effort { max_seeds: 8, divisor: 16, min_samples: 4 };
 
 /// One unit per pair, and one that plants faults. Pairs of the project take precedence over others of the same name.
 pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Unit>, TaskError> {
@@ -78,7 +78,7 @@ pub(super) fn finish(
 }
 
 fn effort(full: bool) -> Effort {
-    if full { Effort::Full } else { REDUCED }
+    if full { Effort::FULL } else { REDUCED }
 }
 
 /// Folders of pairs in `parent`, which may be missing.
@@ -100,7 +100,7 @@ impl PairFolder {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let pair = Pair::load(&self.folder)?;
         let efforts: &[Effort] = match (context.full, self.is_own) {
-            (true, _) => &[Effort::Full],
+            (true, _) => &[Effort::FULL],
             (false, true) => &[REDUCED],
             (false, false) => &[FIRST, REDUCED],
         };
@@ -310,7 +310,7 @@ mod tests {
         for folder in folders {
             let pair = Pair::load(&folder).unwrap_or_else(|error| panic!("{error}"));
             let name = folder.file_name().unwrap().to_string_lossy().into_owned();
-            assert!(pair.series(&folder, Effort::Full).scene.is_file(), "{name}: no scene");
+            assert!(pair.series(&folder, Effort::FULL).scene.is_file(), "{name}: no scene");
             if !pair.is_of_ours_alone() {
                 let (reference, _) = BlockMeans::load(&folder).unwrap_or_else(|error| panic!("{error}"));
                 assert!(reference.image.iter().all(|channel| channel.mean.is_finite()), "{name}");
