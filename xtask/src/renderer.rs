@@ -44,8 +44,8 @@ pub(crate) struct Usage {
     pub wall_seconds: f64,
     /// In the program and in the system, over all threads.
     pub cpu_seconds: f64,
-    /// Maximum resident memory. Before a process becomes the program it shares the memory of this one, and that counts
-    /// as well: no run takes less than one that does nothing.
+    /// Maximum resident memory. Before a process becomes the program it shares the memory of this one, which counts as
+    /// well. No run takes less than one that does nothing.
     pub bytes: u64,
 }
 

@@ -15,7 +15,7 @@ pub(super) struct Context {
 }
 
 /// Work of a unit in a folder, which is empty and its own.
-type Run = dyn Fn(&Context, &Path, &mut Findings) -> Result<(), TaskError> + Sync;
+type UnitWork = dyn Fn(&Context, &Path, &mut Findings) -> Result<(), TaskError> + Sync;
 
 /// Something to run that passes or fails by itself.
 pub(super) struct Unit {
@@ -23,7 +23,7 @@ pub(super) struct Unit {
     pub name: String,
     /// True if it calls the crates instead of the program.
     pub runs_in_process: bool,
-    pub run: Box<Run>,
+    pub run: Box<UnitWork>,
 }
 
 impl Unit {
