@@ -38,7 +38,7 @@ pub use shape_set::{ShapeKind, ShapeSet};
 pub use skip::{
     REQUIRE_ALL, SHARED, SKIPPED, report_skipped, requires_all, shared, shared_or_skip, skip, skipped_file,
 };
-pub use spawned::{SPAWN_SETUPS, SpawnSetup, Spawned};
+pub use spawned::{SpawnSetup, Spawned, spawn_setups};
 
 /// The library example of the README, as a test.
 #[cfg(doctest)]

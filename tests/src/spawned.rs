@@ -37,23 +37,12 @@ impl AddAssign for Spawned {
 }
 
 /// All scales at the origin and all offsets at scale 1, for both triangles.
-pub const SPAWN_SETUPS: [SpawnSetup; 22] = {
-    const SCALES: [f64; 7] = [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6];
-    const OFFSETS: [f64; 4] = [1e2, 1e4, 1e5, 1e7];
-    let mut setups = [SpawnSetup { scale: 1.0, offset: 0.0, is_level: false }; 22];
-    let mut i = 0;
-    while i < 22 {
-        let k = i / 2;
-        setups[i].is_level = i % 2 == 1;
-        if k < SCALES.len() {
-            setups[i].scale = SCALES[k];
-        } else {
-            setups[i].offset = OFFSETS[k - SCALES.len()];
-        }
-        i += 1;
-    }
-    setups
-};
+pub fn spawn_setups() -> impl Iterator<Item = SpawnSetup> {
+    let scales = [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6].map(|scale| (scale, 0.0));
+    let offsets = [1e2, 1e4, 1e5, 1e7].map(|offset| (1.0, offset));
+    let of_place = |(scale, offset)| [false, true].map(|is_level| SpawnSetup { scale, offset, is_level });
+    scales.into_iter().chain(offsets).flat_map(of_place)
+}
 
 impl SpawnSetup {
     /// Spawns rays from random points of the triangle in random directions.

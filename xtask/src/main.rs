@@ -29,9 +29,7 @@ mod error;
 mod figures;
 mod files;
 mod line_fit;
-mod matrix;
 mod number;
-mod process;
 #[path = "../../crates/rt-cli/src/processor.rs"]
 mod processor;
 mod regress;
@@ -44,6 +42,7 @@ mod table;
 mod table1;
 mod terarays;
 mod tidy;
+mod timings;
 mod workspace;
 
 use error::TaskError;

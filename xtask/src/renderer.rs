@@ -1,4 +1,4 @@
-//! The renderer as users run it: a process of its own, watched.
+//! The renderer as users run it: a process of its own, watched or measured.
 
 use std::{
     ffi::OsStr,
@@ -8,6 +8,8 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
+
+use wait4::Wait4;
 
 use crate::error::TaskError;
 
@@ -36,6 +38,17 @@ pub(crate) struct Run {
     pub log: String,
 }
 
+/// Resources of one run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Usage {
+    pub wall_seconds: f64,
+    /// In the program and in the system, over all threads.
+    pub cpu_seconds: f64,
+    /// Maximum resident memory. Before a process becomes the program it shares the memory of this one, which counts as
+    /// well. No run takes less than one that does nothing.
+    pub bytes: u64,
+}
+
 impl Renderer {
     pub(crate) fn new(program: PathBuf, timeout: Duration) -> Self {
         Self { program, timeout }
@@ -61,6 +74,21 @@ impl Renderer {
         let exit = wait(&mut child, time).map_err(TaskError::file(&self.program))?;
         let log = fs::read(&log_path).map_err(TaskError::file(&log_path))?;
         Ok(Run { exit, log: String::from_utf8_lossy(&log).into_owned() })
+    }
+
+    /// Runs the program in `folder` to its end, however long that takes; an error if it fails.
+    pub(crate) fn measure(&self, folder: &Path, args: &[&str]) -> Result<Usage, TaskError> {
+        let started = Instant::now();
+        let (mut child, log_path) = spawn(&self.program, folder, args)?;
+        let used = child.wait4().map_err(TaskError::file(&self.program))?;
+        let wall_seconds = started.elapsed().as_secs_f64();
+        let run = Run { exit: used.status.into(), log: fs::read_to_string(&log_path).unwrap_or_default() };
+        run.succeeded().map_err(|error| TaskError::Command {
+            command: format!("{} {}", self.program.display(), args.join(" ")),
+            reason: error.to_string(),
+        })?;
+        let cpu_seconds = (used.rusage.utime + used.rusage.stime).as_secs_f64();
+        Ok(Usage { wall_seconds, cpu_seconds, bytes: used.rusage.maxrss })
     }
 
     /// Renders `scene` to `output` in `folder`, without a word. Colours are rounded to the nearest byte unless `args` say
@@ -110,7 +138,7 @@ impl From<ExitStatus> for Exit {
 }
 
 /// Starts a program in `folder`, and returns it with the file that gets all that it prints: a full pipe would block it.
-pub(crate) fn spawn<A: AsRef<OsStr>>(
+fn spawn<A: AsRef<OsStr>>(
     program: &Path,
     folder: &Path,
     args: impl IntoIterator<Item = A>,
@@ -124,7 +152,7 @@ pub(crate) fn spawn<A: AsRef<OsStr>>(
 }
 
 /// End of what a program printed.
-pub(crate) fn last_line(log: &str) -> &str {
+fn last_line(log: &str) -> &str {
     log.trim().lines().last().unwrap_or("no message")
 }
 
@@ -149,27 +177,30 @@ fn wait(child: &mut Child, timeout: Duration) -> std::io::Result<Exit> {
 mod tests {
     use super::*;
 
-    fn shell(script: &str, timeout: Duration) -> Run {
+    #[test]
+    fn exits_are_distinct_and_output_is_kept() {
         let folder = tempfile::tempdir().unwrap();
-        Renderer::new("sh".into(), timeout).run(folder.path(), ["-c", script]).unwrap()
+        let (long, short) = (Duration::from_secs(60), Duration::from_millis(50));
+        for (script, timeout, exit, log, problem) in [
+            ("echo out; echo err >&2; exit 3", long, Exit::Code(3), "out\nerr\n", "exit code 3: err"),
+            ("kill -SEGV $$", long, Exit::Crashed, "", "crashed: no message"),
+            ("exec sleep 600", short, Exit::TimedOut(short), "", "stopped after 0 s: no message"),
+        ] {
+            let run = Renderer::new("sh".into(), timeout).run(folder.path(), ["-c", script]).unwrap();
+            assert_eq!((run.exit, run.log.as_str()), (exit, log), "{script}");
+            assert_eq!(run.succeeded().unwrap_err().to_string(), problem, "{script}");
+        }
+        let run = Renderer::new("true".into(), long).run(folder.path(), [""]).unwrap();
+        assert!(run.succeeded().is_ok());
     }
 
     #[test]
-    fn code_and_output_are_reported() {
-        let run = shell("echo out; echo err >&2; exit 3", Duration::from_secs(60));
-        assert_eq!((run.exit, run.log.as_str()), (Exit::Code(3), "out\nerr\n"));
-        assert_eq!(run.succeeded().unwrap_err().to_string(), "exit code 3: err");
-        assert!(shell("true", Duration::from_secs(60)).succeeded().is_ok());
-    }
-
-    #[test]
-    fn a_crash_is_no_exit_code() {
-        assert_eq!(shell("kill -SEGV $$", Duration::from_secs(60)).exit, Exit::Crashed);
-    }
-
-    #[test]
-    fn a_hanging_program_is_stopped() {
-        let limit = Duration::from_millis(50);
-        assert_eq!(shell("exec sleep 600", limit).exit, Exit::TimedOut(limit));
+    fn sleep_takes_time_on_the_wall_alone_and_failure_is_no_figure() {
+        let folder = tempfile::tempdir().unwrap();
+        let measure = |script| Renderer::new("sh".into(), Duration::MAX).measure(folder.path(), &["-c", script]);
+        let usage = measure("sleep 0.2").unwrap();
+        assert!(usage.wall_seconds >= 0.2 && usage.cpu_seconds < 0.1 && usage.bytes > 100_000, "{usage:?}");
+        let error = measure("echo why >&2; exit 3").unwrap_err().to_string();
+        assert!(error.contains("why") && error.contains('3'), "{error}");
     }
 }

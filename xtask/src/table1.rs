@@ -2,10 +2,7 @@
 //!
 //! Counts come from a render that counts, times from one that does not.
 
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::{path::Path, time::Duration};
 
 use crate::{
     error::TaskError,
@@ -27,28 +24,18 @@ pub(crate) struct Table1Options {
     write: bool,
 }
 
-/// Our figures for a row.
-#[derive(Debug)]
-struct Table1Row {
-    report: &'static ReportRow,
-    counts: Statistics,
-    linear_seconds: f64,
-    auto_seconds: f64,
-}
-
 /// Renders, prints the table, and with `--write` writes it.
 pub(crate) fn run(workspace: &Workspace, options: &Table1Options) -> Result<(), TaskError> {
     let renderer = Renderer::new(workspace.build_release_renderer()?, TIMEOUT);
     let folder = workspace.fresh_folder("table1")?;
-    let mut rows = Vec::new();
+    let mut table = Table::new(2, HEADER);
     for report in &REPORT {
         let scene = workspace.root.join(report.scene);
         let counts = measure(&renderer, &folder, &scene, &["--accel", "linear"])?;
-        let linear_seconds = time(&renderer, &folder, &scene, "linear")?;
-        let auto_seconds = time(&renderer, &folder, &scene, "auto")?;
-        rows.push(Table1Row { report, counts, linear_seconds, auto_seconds });
+        let seconds = [time(&renderer, &folder, &scene, "linear")?, time(&renderer, &folder, &scene, "auto")?];
+        push_rows(&mut table, report, &counts, seconds);
     }
-    let table = table(&rows).to_string();
+    let table = table.to_string();
     print!("{table}");
     if options.write {
         let path = workspace.root.join("docs/REPORT.md");
@@ -67,42 +54,40 @@ fn origin(processor: &str, commit: &str) -> String {
 
 /// Wall-clock seconds of the whole program on one thread.
 fn time(renderer: &Renderer, folder: &Path, scene: &Path, accel: &str) -> Result<f64, TaskError> {
-    let started = Instant::now();
-    renderer.render(folder, scene, "picture.png", ["--threads", "1", "--accel", accel])?;
-    let seconds = started.elapsed().as_secs_f64();
-    Ok(seconds)
+    let scene = scene.to_string_lossy();
+    let args =
+        ["render", &scene, "-o", "picture.png", "--quiet", "--dither", "off", "--threads", "1", "--accel", accel];
+    Ok(renderer.measure(folder, &args)?.wall_seconds)
 }
 
-fn table(rows: &[Table1Row]) -> Table {
-    let header = [
-        "spheres",
-        "",
-        "primary rays",
-        "shadow rays",
-        "sphere tests",
-        "hits",
-        "time, brute force",
-        "per test",
-        "time, automatic",
-    ];
-    let mut table = Table::new(2, header);
-    for Table1Row { report, counts, linear_seconds, auto_seconds } in rows {
-        let shadow = format!("{:.2} million", report.shadow_rays * 1e-6);
-        let (spheres, primary) = (report.spheres.to_string(), grouped(REPORT_PRIMARY));
-        let seconds = format!("{} s", report.seconds);
-        table.push([&spheres, "report", &primary, &shadow, "", "", &seconds, "20 ns", ""]);
-        let total = counts.rays.total;
-        table.push([
-            String::new(),
-            "ours".to_owned(),
-            grouped(counts.rays.primary.rays),
-            format!("{} ({} traced)", grouped(counts.shadow_rays()), grouped(counts.rays.shadow.rays)),
-            grouped(total.primitive_tests),
-            grouped(total.hits),
-            format!("{linear_seconds:.2} s"),
-            format!("{:.2} ns", linear_seconds * 1e9 / total.primitive_tests.max(1) as f64),
-            format!("{auto_seconds:.2} s"),
-        ]);
-    }
-    table
+const HEADER: [&str; 9] = [
+    "spheres",
+    "",
+    "primary rays",
+    "shadow rays",
+    "sphere tests",
+    "hits",
+    "time, brute force",
+    "per test",
+    "time, automatic",
+];
+
+/// Adds the row of the report and ours; the seconds are those of brute force and of the default accelerator.
+fn push_rows(table: &mut Table, report: &ReportRow, counts: &Statistics, [linear_seconds, auto_seconds]: [f64; 2]) {
+    let shadow = format!("{:.2} million", report.shadow_rays * 1e-6);
+    let (spheres, primary) = (report.spheres.to_string(), grouped(REPORT_PRIMARY));
+    let seconds = format!("{} s", report.seconds);
+    table.push([&spheres, "report", &primary, &shadow, "", "", &seconds, "20 ns", ""]);
+    let total = counts.rays.total;
+    table.push([
+        String::new(),
+        "ours".to_owned(),
+        grouped(counts.rays.primary.rays),
+        format!("{} ({} traced)", grouped(counts.shadow_rays()), grouped(counts.rays.shadow.rays)),
+        grouped(total.primitive_tests),
+        grouped(total.hits),
+        format!("{linear_seconds:.2} s"),
+        format!("{:.2} ns", linear_seconds * 1e9 / total.primitive_tests.max(1) as f64),
+        format!("{auto_seconds:.2} s"),
+    ]);
 }

@@ -75,8 +75,7 @@ fn tables(figures: &[Figure]) -> String {
         costs::each(figures, "Build, milliseconds", |figure| Some(three_digits(figure.build_seconds * 1e3))),
         costs::each(figures, "Memory, bytes per primitive", |figure| Some(three_digits(figure.bytes_per_primitive()))),
     ];
-    let tables = rates.into_iter().chain(others).map(|matrix| matrix.to_string());
-    tables.collect::<Vec<_>>().join("\n")
+    rates.into_iter().chain(others).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]

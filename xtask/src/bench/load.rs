@@ -5,16 +5,17 @@ use std::{
     fs::{self, File},
     io::{BufWriter, Write},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use rt_geometry::MeshData;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{common::print, timing_stats::Spread};
+use super::common::print;
 use crate::{
-    error::TaskError, files, number::three_digits, process::Program, scenes::rock_data, table::Table,
-    workspace::Workspace,
+    error::TaskError, files, number::three_digits, renderer::Renderer, scenes::rock_data, table::Table,
+    timings::Spread, workspace::Workspace,
 };
 
 #[derive(Debug, clap::Args)]
@@ -67,8 +68,9 @@ pub(super) fn run(workspace: &Workspace, options: &LoadOptions) -> Result<(), Ta
     let keep = options.keep.clone().unwrap_or_else(|| folder.clone());
     fs::create_dir_all(&keep).map_err(TaskError::file(&keep))?;
     let (triangles, files) = write_files(&keep, options.triangles)?;
-    let program = Program { path: program, folder };
-    let files = files.iter().map(|path| measure(&program, path, options.reps)).collect::<Result<Vec<_>, _>>()?;
+    let renderer = Renderer::new(program, Duration::MAX);
+    let files =
+        files.iter().map(|path| measure(&renderer, &folder, path, options.reps)).collect::<Result<Vec<_>, _>>()?;
     let results = LoadResults { triangles, files };
     print(&results, &results)
 }
@@ -136,14 +138,14 @@ fn write_glb(mesh: &MeshData, mut file: impl Write) -> std::io::Result<()> {
     file.flush()
 }
 
-fn measure(program: &Program, path: &Path, reps: u32) -> Result<LoadResult, TaskError> {
+fn measure(renderer: &Renderer, folder: &Path, path: &Path, reps: u32) -> Result<LoadResult, TaskError> {
     let scene = path.to_string_lossy();
-    let stats = program.folder.join("stats.json");
+    let stats = folder.join("stats.json");
     let args = ["render", &scene, "-o", "rock.png", "--size", "8x8", "--spp", "1", "--threads", "1", "--quiet"];
     let args = [&args[..], &["--stats", "stats.json"]].concat();
     let (mut load, mut build, mut peak_bytes) = (Vec::new(), Vec::new(), 0);
     for _ in 0..reps {
-        peak_bytes = program.run(&args)?.bytes.max(peak_bytes);
+        peak_bytes = renderer.measure(folder, &args)?.bytes.max(peak_bytes);
         let Timed { seconds } = files::read_json(&stats)?;
         load.push(seconds.load);
         build.push(seconds.build);

@@ -1,15 +1,5 @@
 //! `bench`: speed of rays, images, loading and building.
 //!
-//! ```text
-//!   cargo xtask bench                    every accelerator on scenes that are made here
-//!   cargo xtask bench rays --folder DIR  meshes and rays from neutral files, which other tracers read as well
-//!   cargo xtask bench render             whole images, from neutral descriptions
-//!   cargo xtask bench cornell REFERENCE  error and efficiency on the Cornell box
-//!   cargo xtask bench build              time of a cold build, by package
-//!   cargo xtask bench load               time and memory that a mesh takes to load
-//!   cargo xtask bench convert JSON SCENE the scene file of such a description
-//! ```
-//!
 //! All results go to standard output as JSON, and a table to standard error. Compare ratios of one run only.
 
 pub(crate) use build::wrapped_rustc;
@@ -23,7 +13,6 @@ mod cornell;
 mod load;
 mod rays;
 mod render;
-mod timing_stats;
 
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]

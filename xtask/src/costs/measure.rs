@@ -1,6 +1,6 @@
 //! The measurements of one scene.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rt_accel::{Accelerator as _, AcceleratorKind, AnyAccelerator, Bvh};
 use rt_geometry::Primitives;
@@ -15,14 +15,15 @@ use crate::{
         Scene, Surfaces,
         rays::{self, RaySet},
     },
+    timings::{Spread, Timings},
 };
 
 /// An accelerator that needs more nodes and tests than this for all rays of a set is given fewer rays.
 const AFFORDABLE: f64 = 5e7;
 /// Rays to find out with.
 const PILOT: usize = 50;
-/// Builds that take longer than this many seconds together are not repeated.
-const PATIENCE: f64 = 2.0;
+/// Builds that take longer than this together are not repeated.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Measures every accelerator on one scene.
 ///
@@ -44,7 +45,9 @@ pub(crate) fn scene<P: Surfaces>(
     let mut kinds = AcceleratorKind::ALL.to_vec();
     kinds.sort_by_key(|kind| *kind != AcceleratorKind::Bvh);
     for kind in kinds {
-        let (accelerator, build_seconds) = build(kind, &scene.primitives, repeats)?;
+        let build = || AnyAccelerator::build(kind, &scene.primitives).map_err(TaskError::other);
+        let (accelerator, timings) = Timings::of(repeats, PATIENCE, build)?;
+        let build_seconds = Spread::of(timings.wall).min;
         let mut rays = Vec::new();
         for (set, expected) in sets.iter().zip(&mut answers) {
             rays.push(first_pass(&accelerator, scene, set, expected)?);
@@ -63,26 +66,6 @@ pub(crate) fn scene<P: Surfaces>(
     }
     figures.sort_by_key(|figure| AcceleratorKind::ALL.iter().position(|kind| kind.name() == figure.accelerator));
     Ok(figures)
-}
-
-fn build<P: Primitives>(
-    kind: AcceleratorKind,
-    primitives: &P,
-    repeats: u32,
-) -> Result<(AnyAccelerator, f64), TaskError> {
-    let mut min = f64::INFINITY;
-    let mut spent = 0.0;
-    for repeat in 1.. {
-        let started = Instant::now();
-        let accelerator = AnyAccelerator::build(kind, primitives).map_err(TaskError::other)?;
-        let seconds = started.elapsed().as_secs_f64();
-        min = min.min(seconds);
-        spent += seconds;
-        if repeat >= repeats || spent > PATIENCE {
-            return Ok((accelerator, min));
-        }
-    }
-    Err(TaskError::Other("there are no repeats".into()))
 }
 
 fn ray_sets<P: Surfaces>(scene: &Scene<P>, count: u32) -> Result<[RaySet; 3], TaskError> {

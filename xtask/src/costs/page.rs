@@ -2,12 +2,20 @@
 
 use std::fmt::Display;
 
+use rt_accel::AcceleratorKind;
+
 use super::{
     claims,
     figure::Figure,
     growth::{Costs, Growth, Slope},
 };
-use crate::{matrix::Matrix, number::three_digits};
+use crate::{
+    number::{grouped, three_digits},
+    table::Table,
+};
+
+/// Cell without a measurement.
+const NO_VALUE: &str = "–";
 
 /// All tables for the terminal.
 pub(super) fn terminal(costs: &Costs) -> String {
@@ -38,12 +46,13 @@ pub(super) fn markdown(costs: &Costs, full: bool, model: impl Display, provenanc
     );
     text.extend(claims::of(costs).into_iter().map(|claim| format!("* {claim}\n")));
     for matrix in matrices(costs) {
-        text.push_str(&format!("\n{matrix}"));
+        text.push('\n');
+        text.push_str(&matrix);
     }
     text
 }
 
-fn matrices(costs: &Costs) -> Vec<Matrix> {
+fn matrices(costs: &Costs) -> Vec<String> {
     let mut all = vec![
         each(&costs.figures, "Build, milliseconds", |figure| Some(three_digits(figure.build_seconds * 1e3))),
         each(&costs.figures, "Memory, bytes per primitive", |figure| Some(three_digits(figure.bytes_per_primitive()))),
@@ -69,27 +78,56 @@ fn matrices(costs: &Costs) -> Vec<Matrix> {
 }
 
 /// A row for each scene and size.
-pub(crate) fn each(figures: &[Figure], title: &str, cell: impl Fn(&Figure) -> Option<String>) -> Matrix {
+pub(crate) fn each(figures: &[Figure], title: &str, cell: impl Fn(&Figure) -> Option<String>) -> String {
     let mut rows: Vec<(&str, usize)> = figures.iter().map(|figure| (figure.scene, figure.primitives)).collect();
     rows.dedup();
     // A stable sort by first appearance puts the sizes of a scene together.
     let first = |scene: &str| figures.iter().position(|figure| figure.scene == scene);
     rows.sort_by_key(|(scene, _)| first(scene));
-    let rows = rows.into_iter().map(|row| (format!("{} {}", row.0, crate::number::grouped(row.1 as u64)), row));
-    Matrix::new(title, rows, |&(scene, primitives), accelerator| {
+    let rows = rows.into_iter().map(|row| (format!("{} {}", row.0, grouped(row.1 as u64)), row));
+    matrix(title, rows, |&(scene, primitives), accelerator| {
         let key = (scene, primitives, accelerator);
         cell(figures.iter().find(|figure| (figure.scene, figure.primitives, figure.accelerator) == key)?)
     })
 }
 
 /// A row for each scene.
-fn growth(costs: &Costs, title: &str, slope: impl Fn(&Growth) -> Slope) -> Matrix {
+fn growth(costs: &Costs, title: &str, slope: impl Fn(&Growth) -> Slope) -> String {
     let mut rows: Vec<&str> = costs.growth.iter().map(|growth| growth.scene).collect();
     rows.dedup();
-    Matrix::new(title, rows.into_iter().map(|scene| (scene.to_owned(), scene)), |scene, accelerator| {
+    matrix(title, rows.into_iter().map(|scene| (scene.to_owned(), scene)), |scene, accelerator| {
         let key = (*scene, accelerator);
         let Slope { exponent, error } =
             slope(costs.growth.iter().find(|growth| (growth.scene, growth.accelerator) == key)?);
         Some(format!("{exponent:.2} ± {error:.2}"))
     })
+}
+
+/// Section with a table of one quantity: a row for each scene, a column for each accelerator. The cells of each row are
+/// `cell(row, accelerator)`.
+fn matrix<R>(
+    title: &str,
+    rows: impl IntoIterator<Item = (String, R)>,
+    cell: impl Fn(&R, &str) -> Option<String>,
+) -> String {
+    let names = || AcceleratorKind::ALL.iter().map(|kind| kind.name());
+    let mut table = Table::new(1, std::iter::once("").chain(names()));
+    for (name, row) in rows {
+        let cells = names().map(|kind| cell(&row, kind).unwrap_or_else(|| NO_VALUE.to_owned()));
+        table.push(std::iter::once(name).chain(cells));
+    }
+    format!("## {title}\n\n{table}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_and_columns_are_in_their_places() {
+        let text = matrix("t", [("a".to_owned(), 7)], |row, kind| (kind == "grid").then(|| format!("{row}")));
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split('|').map(str::trim).collect()).collect();
+        assert_eq!((lines[0][0], &lines[2][1..5]), ("## t", &["", "linear", "grid", "bvh"][..]), "{text}");
+        assert_eq!(lines[4][1..5], ["a", "–", "7", "–"], "{text}");
+    }
 }

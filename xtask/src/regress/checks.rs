@@ -4,6 +4,7 @@ use std::{fmt::Display, mem};
 
 use rayon::prelude::*;
 use rt_math::float::UNIT_ROUNDOFF;
+use rt_tests::Draw;
 
 /// Failures that are described; further ones are only counted.
 const DESCRIBED: usize = 5;
@@ -100,6 +101,11 @@ impl Checks {
     /// Adds the checks of items 0 to `count` − 1, made on all threads.
     pub(super) fn of_all(&mut self, count: u64, check: impl Fn(u64, &mut Self) + Sync) {
         self.in_parallel(count, &check);
+    }
+
+    /// [`of_all`](Self::of_all), with the random numbers of each item.
+    pub(super) fn draw_all(&mut self, count: u64, seed: u64, check: impl Fn(&mut Draw, &mut Self) + Sync) {
+        self.in_parallel(count, &|index, checks| check(&mut Draw::of(seed, index), checks));
     }
 
     /// [`of_all`](Self::of_all), compiled once for all cases.

@@ -56,15 +56,12 @@ const FULL: u64 = 20;
 /// Maximum number of runs per image; each of them but the last is killed.
 const MOST_RUNS: u64 = 100;
 
-pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
-    ALL.into_iter().map(|kills| Box::new(kills) as Box<dyn Unit>)
+pub(super) fn units() -> impl Iterator<Item = Unit> {
+    ALL.into_iter()
+        .map(|kills| Unit::new(kills.name, move |context, folder, findings| kills.run(context, folder, findings)))
 }
 
-impl Unit for Kills {
-    fn name(&self) -> String {
-        self.name.to_owned()
-    }
-
+impl Kills {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let scene = context.workspace.root.join(self.scene);
         let started = Instant::now();
@@ -101,9 +98,7 @@ impl Unit for Kills {
         });
         Ok(())
     }
-}
 
-impl Kills {
     /// Renders one image, killed repeatedly at random times; returns the number of kills.
     fn finish(
         &self,

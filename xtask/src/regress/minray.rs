@@ -19,27 +19,23 @@ const SCENE: &str = "scenes/lecture/minray.ron";
 /// A pixel that differs by more than this many steps of 255 is off.
 const TOLERANCE: u8 = 8;
 
-pub(super) struct Minray;
+pub(super) fn unit() -> Unit {
+    Unit::new("minray", run)
+}
 
-impl Unit for Minray {
-    fn name(&self) -> String {
-        "minray".to_owned()
-    }
-
-    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
-        let Some(image) = rt_tests::shared(REFERENCE) else {
-            findings.skip(format!("there is no shared/{REFERENCE}"));
-            return Ok(());
-        };
-        let scene = context.workspace.root.join(SCENE);
-        context.renderer.render(folder, &scene, "actual.png", ["--size", "512x512"])?;
-        let (expected, actual) = (open(&image)?, open(&folder.join("actual.png"))?);
-        let panels = folder.join("diff.png");
-        save(&three_panels(&expected, &actual), &panels)?;
-        findings.image = Some(panels);
-        check(&expected, &actual, image, findings);
-        Ok(())
-    }
+fn run(context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
+    let Some(image) = rt_tests::shared(REFERENCE) else {
+        findings.skip(format!("there is no shared/{REFERENCE}"));
+        return Ok(());
+    };
+    let scene = context.workspace.root.join(SCENE);
+    context.renderer.render(folder, &scene, "actual.png", ["--size", "512x512"])?;
+    let (expected, actual) = (open(&image)?, open(&folder.join("actual.png"))?);
+    let panels = folder.join("diff.png");
+    save(&three_panels(&expected, &actual), &panels)?;
+    findings.image = Some(panels);
+    check(&expected, &actual, image, findings);
+    Ok(())
 }
 
 /// Allows an RMSE of 1/255, and one pixel of 200 to be off, at silhouettes alone.

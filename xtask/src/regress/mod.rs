@@ -74,14 +74,14 @@ pub(crate) fn run(workspace: Workspace, options: &RegressOptions) -> Result<bool
         if options.write && filter != "physics" {
             return Err(TaskError::Other("--write needs all pairs: `regress physics --full --write`".to_owned()));
         }
-        units.retain(|unit| matches(&unit.name(), filter));
+        units.retain(|unit| matches(&unit.name, filter));
     }
     if units.is_empty() {
         return Err(TaskError::Other("no unit matches the filter".to_owned()));
     }
     let program = match &options.program {
         Some(program) => fs::canonicalize(program).map_err(TaskError::file(program))?,
-        None if units.iter().all(|unit| unit.runs_in_process()) => PathBuf::new(),
+        None if units.iter().all(|unit| unit.runs_in_process) => PathBuf::new(),
         None => workspace.build_renderer()?,
     };
     let folder = workspace.fresh_folder("regress")?;
@@ -106,10 +106,9 @@ fn matches(name: &str, filter: &str) -> bool {
     if filter.ends_with('/') { name.starts_with(filter) } else { name.contains(filter) }
 }
 
-fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn Unit>>, TaskError> {
-    let mut units: Vec<Box<dyn Unit>> = Vec::new();
+fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Unit>, TaskError> {
     // The long ones come first, so that they do not run alone at the end.
-    units.push(Box::new(minray::Minray));
+    let mut units = vec![minray::unit()];
     units.extend(table1_counts::units());
     units.extend(analytic::units());
     units.extend(numerics::units());
@@ -123,11 +122,7 @@ fn units(workspace: &Workspace, options: &RegressOptions) -> Result<Vec<Box<dyn 
 
 /// Runs all units, `jobs` at a time (0: one per processor), in their order. Loops within a unit share a processor, unless there
 /// are fewer units than processors. Outcomes are in the order of the units.
-fn run_all(
-    units: &[Box<dyn Unit>],
-    jobs: usize,
-    run: &(dyn Fn(&dyn Unit) -> Outcome + Sync),
-) -> Result<Vec<Outcome>, TaskError> {
+fn run_all(units: &[Unit], jobs: usize, run: &(dyn Fn(&Unit) -> Outcome + Sync)) -> Result<Vec<Outcome>, TaskError> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let jobs = if jobs == 0 { processors } else { jobs }.min(units.len()).max(1);
     let pool = || rayon::ThreadPoolBuilder::new().num_threads((processors / jobs).max(1)).build();
@@ -138,7 +133,7 @@ fn run_all(
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(unit) = units.get(index) else { break };
-            let outcome = run(unit.as_ref());
+            let outcome = run(unit);
             outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((index, outcome));
         }
     };
@@ -153,13 +148,13 @@ fn run_all(
 }
 
 /// Runs one unit. Errors are findings, so that the other units run.
-fn run_unit(unit: &dyn Unit, context: &Context, folder: &Path) -> Outcome {
+fn run_unit(unit: &Unit, context: &Context, folder: &Path) -> Outcome {
     let started = Instant::now();
-    let name = unit.name();
+    let name = unit.name.clone();
     let folder = folder.join(&name);
     let mut findings = Findings::default();
     let created = fs::create_dir_all(&folder).map_err(TaskError::file(&folder));
-    if let Err(error) = created.and_then(|()| unit.run(context, &folder, &mut findings)) {
+    if let Err(error) = created.and_then(|()| (unit.run)(context, &folder, &mut findings)) {
         findings.problem(error.to_string());
     }
     if let Some(reason) = &findings.skipped {
@@ -189,35 +184,17 @@ fn print(outcome: &Outcome) {
 mod tests {
     use super::*;
 
-    /// A unit that notes the threads of its loops.
-    struct Loops(usize);
-
-    impl Unit for Loops {
-        fn name(&self) -> String {
-            self.0.to_string()
-        }
-
-        fn run(&self, _: &Context, _: &Path, _: &mut Findings) -> Result<(), TaskError> {
-            Ok(())
-        }
-    }
-
     #[test]
     fn units_share_the_processors_and_outcomes_keep_their_order() {
         let processors = thread::available_parallelism().map_or(1, NonZero::get);
         for (units, jobs, threads) in [(50, 0, 1), (50, 3, (processors / 3).max(1)), (1, 0, processors), (0, 0, 0)] {
-            let units: Vec<_> = (0..units).map(|index| Box::new(Loops(index)) as Box<dyn Unit>).collect();
-            let run = |unit: &dyn Unit| {
+            let units: Vec<_> = (0..units).map(|index| Unit::new(index.to_string(), |_, _, _| Ok(()))).collect();
+            let run = |unit: &Unit| {
                 assert_eq!(rayon::current_num_threads(), threads);
-                Outcome { name: unit.name(), findings: Findings::default(), seconds: 0.0 }
+                Outcome { name: unit.name.clone(), findings: Findings::default(), seconds: 0.0 }
             };
             let outcomes = run_all(&units, jobs, &run).unwrap();
-            assert!(
-                outcomes
-                    .iter()
-                    .map(|outcome| &outcome.name)
-                    .eq(&units.iter().map(|unit| unit.name()).collect::<Vec<_>>())
-            );
+            assert!(outcomes.iter().map(|outcome| &outcome.name).eq(units.iter().map(|unit| &unit.name)));
         }
     }
 

@@ -48,23 +48,20 @@ const MAX_SHARE_BLENDED: f64 = 0.1;
 const INTEGRATORS: [&str; 2] = ["whitted", "path"];
 
 /// One unit per integrator, and per scene file of the project and golden image.
-pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+pub(super) fn units(workspace: &Workspace) -> Result<Vec<Unit>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
     scenes.extend(workspace.files("scenes/spd", ".nff")?);
     scenes.extend(workspace.files("tests/golden", ".ron")?);
     let unit = |(scene, integrator): (PathBuf, &'static str)| {
         let name = format!("precision/{integrator}/{}", workspace.relative(&scene.with_extension("")));
-        Box::new(Precision { scene, integrator, name }) as Box<dyn Unit>
+        let precision = Precision { scene, integrator, name: name.clone() };
+        Unit::new(name, move |context, folder, findings| precision.run(context, folder, findings))
     };
     let of_scene = |scene: PathBuf| INTEGRATORS.map(|integrator| (scene.clone(), integrator));
     Ok(scenes.into_iter().flat_map(of_scene).map(unit).collect())
 }
 
-impl Unit for Precision {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
+impl Precision {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let size = if context.full { &[] } else { REDUCED };
         let [trees, exact_trees] = self.images(context, folder, size, "1")?;
@@ -82,9 +79,7 @@ impl Unit for Precision {
         check_means(&image, &exact, findings);
         Ok(())
     }
-}
 
-impl Precision {
     /// Images in `f32` and in `f64`.
     fn images(&self, context: &Context, folder: &Path, size: &[&str], spp: &str) -> Result<[Image; 2], TaskError> {
         let image = |precision| {

@@ -41,25 +41,22 @@ type Variant = Vec<&'static str>;
 
 struct SameImage {
     scene: PathBuf,
-    name: String,
     /// Number of the scene: by it, scenes take turns.
     turn: usize,
 }
 
 /// One unit per scene file of the project and per golden image.
-pub(super) fn units(workspace: &Workspace) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+pub(super) fn units(workspace: &Workspace) -> Result<Vec<Unit>, TaskError> {
     let mut scenes = workspace.files("scenes", ".ron")?;
     scenes.extend(workspace.files("scenes/spd", ".nff")?);
     scenes.extend(workspace.files("scenes/gallery", ".pbrt")?);
     scenes.extend(workspace.files("tests/golden", ".ron")?);
-    Ok(scenes
-        .into_iter()
-        .enumerate()
-        .map(|(turn, scene)| {
-            let name = format!("one-picture/{}", workspace.relative(&scene.with_extension("")));
-            Box::new(SameImage { scene, name, turn }) as Box<dyn Unit>
-        })
-        .collect())
+    let unit = |(turn, scene): (usize, PathBuf)| {
+        let name = format!("one-picture/{}", workspace.relative(&scene.with_extension("")));
+        let same_image = SameImage { scene, turn };
+        Unit::new(name, move |context, folder, findings| same_image.run(context, folder, findings))
+    };
+    Ok(scenes.into_iter().enumerate().map(unit).collect())
 }
 
 /// SIMD level for this turn, cycling through those of the processor.
@@ -114,11 +111,7 @@ fn integrators(turn: usize, full: bool) -> impl Iterator<Item = &'static str> {
     (0..count).map(move |index| INTEGRATORS[(turn * count + index) % INTEGRATORS.len()])
 }
 
-impl Unit for SameImage {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
+impl SameImage {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let [quality, brute_force_quality, others_quality]: [&[&str]; 3] = if context.full {
             [&[], &["--spp", "1"], &["--spp", "4"]]
@@ -137,9 +130,7 @@ impl Unit for SameImage {
         }
         Ok(())
     }
-}
 
-impl SameImage {
     /// Renders all variants and compares the bytes with those of the first, which are returned.
     fn compare(
         &self,

@@ -1,6 +1,6 @@
 //! Suites: chapters of named cases, which count trials and failures.
 
-use std::{error::Error, path::Path};
+use std::error::Error;
 
 use super::{
     checks::Checks,
@@ -65,35 +65,22 @@ impl Conditions<'_> {
 }
 
 /// One unit for each case of the chapters of the suite of this name.
-pub(super) fn units(suite: &'static str, chapters: &'static [&'static [Case]]) -> impl Iterator<Item = Box<dyn Unit>> {
-    chapters.iter().copied().flatten().map(move |case| Box::new(Entry { suite, case: *case }) as Box<dyn Unit>)
-}
-
-/// A case of a suite.
-struct Entry {
-    suite: &'static str,
-    case: Case,
-}
-
-impl Unit for Entry {
-    fn name(&self) -> String {
-        format!("{}/{}", self.suite, self.case.id)
-    }
-
-    fn runs_in_process(&self) -> bool {
-        true
-    }
-
-    fn run(&self, context: &Context, _: &Path, findings: &mut Findings) -> Result<(), TaskError> {
-        let conditions = Conditions { full: context.full, workspace: &context.workspace };
-        let mut checks = Checks::default();
-        (self.case.run)(&conditions, &mut checks).map_err(TaskError::other)?;
-        *findings = self.case.findings(checks);
-        Ok(())
-    }
+pub(super) fn units(suite: &'static str, chapters: &'static [&'static [Case]]) -> impl Iterator<Item = Unit> {
+    chapters.iter().copied().flatten().map(move |case| Unit {
+        runs_in_process: true,
+        ..Unit::new(format!("{suite}/{}", case.id), |context, _, findings| case.run(context, findings))
+    })
 }
 
 impl Case {
+    fn run(&self, context: &Context, findings: &mut Findings) -> Result<(), TaskError> {
+        let conditions = Conditions { full: context.full, workspace: &context.workspace };
+        let mut checks = Checks::default();
+        (self.run)(&conditions, &mut checks).map_err(TaskError::other)?;
+        *findings = self.findings(checks);
+        Ok(())
+    }
+
     fn findings(&self, checks: Checks) -> Findings {
         let mut findings = Findings::default();
         if checks.failed > 0 {

@@ -13,29 +13,24 @@ const SHADOW_TOLERANCE: f64 = 0.005;
 const REDUCED: [&str; 2] = ["--size", "64x36"];
 const REDUCED_PRIMARY: u64 = 64 * 36 * 16;
 
-struct Table1Counts(&'static ReportRow);
-
 /// One unit per row.
-pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
-    REPORT.iter().map(|row| Box::new(Table1Counts(row)) as Box<dyn Unit>)
+pub(super) fn units() -> impl Iterator<Item = Unit> {
+    let unit = |row: &'static ReportRow| {
+        Unit::new(format!("table1/{}", row.spheres), |context, folder, findings| run(row, context, folder, findings))
+    };
+    REPORT.iter().map(unit)
 }
 
-impl Unit for Table1Counts {
-    fn name(&self) -> String {
-        format!("table1/{}", self.0.spheres)
+fn run(row: &ReportRow, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
+    let scene = context.workspace.root.join(row.scene);
+    let mut args = vec!["--accel", "linear"];
+    if !context.full {
+        args.extend(REDUCED);
     }
-
-    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
-        let scene = context.workspace.root.join(self.0.scene);
-        let mut args = vec!["--accel", "linear"];
-        if !context.full {
-            args.extend(REDUCED);
-        }
-        let statistics = measure(&context.renderer, folder, &scene, &args)?;
-        let rays = if context.full { REPORT_PRIMARY } else { REDUCED_PRIMARY };
-        check(self.0, &statistics, rays, context.full, findings);
-        Ok(())
-    }
+    let statistics = measure(&context.renderer, folder, &scene, &args)?;
+    let rays = if context.full { REPORT_PRIMARY } else { REDUCED_PRIMARY };
+    check(row, &statistics, rays, context.full, findings);
+    Ok(())
 }
 
 fn check(row: &ReportRow, statistics: &Statistics, rays: u64, full: bool, findings: &mut Findings) {

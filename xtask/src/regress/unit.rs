@@ -14,18 +14,26 @@ pub(super) struct Context {
     pub full: bool,
 }
 
+/// Work of a unit in a folder, which is empty and its own.
+type UnitWork = dyn Fn(&Context, &Path, &mut Findings) -> Result<(), TaskError> + Sync;
+
 /// Something to run that passes or fails by itself.
-pub(super) trait Unit: Sync {
+pub(super) struct Unit {
     /// Unique; slashes make folders.
-    fn name(&self) -> String;
-
+    pub name: String,
     /// True if it calls the crates instead of the program.
-    fn runs_in_process(&self) -> bool {
-        false
-    }
+    pub runs_in_process: bool,
+    pub run: Box<UnitWork>,
+}
 
-    /// Runs in `folder`, which is empty and its own.
-    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError>;
+impl Unit {
+    /// A unit that runs the program.
+    pub(super) fn new(
+        name: impl Into<String>,
+        run: impl Fn(&Context, &Path, &mut Findings) -> Result<(), TaskError> + Sync + 'static,
+    ) -> Self {
+        Self { name: name.into(), runs_in_process: false, run: Box::new(run) }
+    }
 }
 
 #[derive(Debug, Default)]

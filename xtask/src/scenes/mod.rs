@@ -26,20 +26,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_have_about_the_wanted_size() {
-        for wanted in [1_000, 10_000] {
-            let sizes = [
+    fn scenes_have_the_member_of_their_series_next_to_the_wanted_size() {
+        let sizes = |wanted: usize| {
+            [
                 mound(wanted).unwrap().primitives.len(),
                 sphereflake(wanted).unwrap().primitives.len(),
                 tree(wanted).unwrap().primitives.len(),
                 gears::gears(wanted).unwrap().primitives.len(),
                 rock(wanted).unwrap().primitives.len(),
                 stadium(wanted).unwrap().primitives.len(),
-            ];
-            for size in sizes {
-                assert!((0.5..2.0).contains(&(size as f64 / wanted as f64)), "{sizes:?} for {wanted}");
-            }
-        }
+            ]
+        };
+        let stands = 16 * (1 + 2 * 11);
+        assert_eq!(sizes(1_000), [1_000, 820, 1_022, 576, 1_280, 1_280 + stands]);
+        assert_eq!(sizes(10_000), [10_000, 7_381, 8_190, 15_552, 5_120, 5_120 + stands]);
     }
 
     #[test]

@@ -26,15 +26,3 @@ fn bumpy(point: DVec3) -> DVec3 {
     let wave = |count: f64| sin(count * point.x) * sin(count * point.y + 1.0) * sin(count * point.z + 2.0);
     point * (1.0 + 0.2 * wave(5.0) + 0.03 * wave(31.0))
 }
-
-#[cfg(test)]
-mod tests {
-    use rt_geometry::Primitives;
-
-    use super::*;
-
-    #[test]
-    fn subdivisions_are_whole() {
-        assert_eq!(rock(80_000).unwrap().primitives.len(), 20 << 12);
-    }
-}

@@ -35,14 +35,7 @@ fn grow(spheres: &mut Vec<Sphere>, centre: DVec3, radius: f64, up: DVec3, genera
 
 #[cfg(test)]
 mod tests {
-    use rt_geometry::Primitives;
-
     use super::*;
-
-    #[test]
-    fn generations_are_whole() {
-        assert_eq!(sphereflake(7000).unwrap().primitives.len(), 1 + 9 + 81 + 729 + 6561);
-    }
 
     #[test]
     fn children_touch_their_parent() {

@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::{error::TaskError, files, process::Program, workspace::Workspace};
+use crate::{error::TaskError, files, renderer::Renderer, workspace::Workspace};
 
 mod estimate;
 mod lecture_numbers;
@@ -13,12 +13,13 @@ mod page;
 mod progress_file;
 mod tile_job;
 
-use estimate::Whole;
 use lecture_numbers::Tile;
 use progress_file::ProgressFile;
 use tile_job::{TileRenderer, TileResult};
 
 const SCENE: &str = "scenes/lecture/cornell.ron";
+/// A render that takes longer than this has gone wrong.
+const TIMEOUT: Duration = Duration::from_secs(600);
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct TeraraysOptions {
@@ -39,15 +40,16 @@ pub(crate) fn run(workspace: &Workspace, options: &TeraraysOptions) -> Result<()
     let scene = workspace.root.join(SCENE);
     let folder = if options.fresh { workspace.fresh_folder("terarays")? } else { workspace.folder("terarays")? };
     let mut progress_file = ProgressFile::open(folder.join(progress_file::name(&path, &scene)?))?;
-    let program = Program { path, folder };
-    let renderer = TileRenderer { program: &program, scene: &scene };
+    let renderer = TileRenderer { renderer: Renderer::new(path, TIMEOUT), folder: &folder, scene: &scene };
     work(&mut progress_file, options.budget, |tile| renderer.measure(tile))?;
-    let nothing = || TaskError::Other("no measurements yet: measure with --budget 60s".to_owned());
-    let whole = Whole::of(progress_file.units()).ok_or_else(nothing)?;
-    print!("{}", page::table(&whole));
+    let tiles = progress_file.units();
+    if tiles.is_empty() {
+        return Err(TaskError::Other("no measurements yet: measure with --budget 60s".to_owned()));
+    }
+    print!("{}", page::table(tiles));
     if options.write {
         let path = workspace.root.join("docs/TERARAYS.md");
-        files::write(&path, page::markdown(&whole, &crate::processor::processor(), &workspace.commit()))?;
+        files::write(&path, page::markdown(tiles, &crate::processor::processor(), &workspace.commit()))?;
     }
     Ok(())
 }

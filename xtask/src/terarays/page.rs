@@ -1,47 +1,51 @@
 //! Results as a Markdown page.
 
 use super::{
-    estimate::{TileEstimate, Whole},
+    estimate::{Quantity, best_seconds, best_spp, exponent, jackknife, rays, seconds},
     lecture_numbers::{PRIMARY_RAYS, RAYS, SECONDS, SIZE, STRATA, TILE_PIXELS, TILES},
-    tile_job::{BEST, BEST_SPP},
+    tile_job::{BEST, BEST_SPP, TileResult},
 };
 use crate::{
     number::{grouped, three_digits},
     table::Table,
 };
 
-pub(super) fn table(whole: &Whole) -> Table {
-    let done = whole.tiles as f64 / f64::from(TILES);
-    let pixels = whole.tiles as u64 * u64::from(TILE_PIXELS);
+/// Estimates for the whole image from at least one tile.
+pub(super) fn table(tiles: &[TileResult]) -> Table {
+    let done = tiles.len() as f64 / f64::from(TILES);
+    let pixels = tiles.len() as u64 * u64::from(TILE_PIXELS);
     let mut table = Table::new(1, ["quantity", "estimate", "95 % interval"]);
     let all = grouped(u64::from(SIZE) * u64::from(SIZE));
     let part = format!("{} %: {} of {all} pixels", three_digits(100.0 * done), grouped(pixels));
     table.push(["part of the image that was rendered", &part, ""]);
-    let mut row = |name: &str, estimate: Option<TileEstimate>, show: fn(f64) -> String| {
+    let mut row = |name: &str, of: Quantity<'_>, show: fn(f64) -> String| {
+        let estimate = jackknife(tiles, of);
         let value = estimate.map_or_else(|| "the error does not fall".to_owned(), |estimate| show(estimate.value));
         let interval = estimate.and_then(|estimate| estimate.interval);
         let interval = interval.map(|[low, high]| format!("{} to {}", show(low), show(high)));
         table.push([name.to_owned(), value, interval.unwrap_or_default()]);
     };
-    row("rays of all kinds, traced in one processor second", Some(whole.rays_per_second), three_digits);
-    row("rays of all kinds that the whole image takes", Some(whole.rays), power_of_ten);
-    row("**processor time of the whole image**", Some(whole.seconds), span);
-    row("two years / that time", Some(whole.seconds.inverse(SECONDS)), three_digits);
-    row(&format!("processor time of {} rays of all kinds", power_of_ten(RAYS)), Some(whole.claimed_rays_seconds), span);
-    row("two years / that time", Some(whole.claimed_rays_seconds.inverse(SECONDS)), three_digits);
-    row("RMSE of the whole image", Some(whole.rmse), power_of_ten);
-    for (spp, rmse) in BEST_SPP.iter().zip(whole.best_rmse) {
-        row(&format!("RMSE by `{BEST}`, {} samples per pixel", grouped(u64::from(*spp))), Some(rmse), power_of_ten);
+    let rate = |means: &TileResult| rays(means) / seconds(means);
+    row("rays of all kinds, traced in one processor second", &rate, three_digits);
+    row("rays of all kinds that the whole image takes", &rays, power_of_ten);
+    row("**processor time of the whole image**", &seconds, span);
+    row("two years / that time", &|means| SECONDS / seconds(means), three_digits);
+    row(&format!("processor time of {} rays of all kinds", power_of_ten(RAYS)), &|means| RAYS / rate(means), span);
+    row("two years / that time", &|means| SECONDS / (RAYS / rate(means)), three_digits);
+    row("RMSE of the whole image", &|means| means.jittered.mse.sqrt(), power_of_ten);
+    for (index, spp) in BEST_SPP.into_iter().enumerate() {
+        let name = format!("RMSE by `{BEST}`, {} samples per pixel", grouped(u64::from(spp)));
+        row(&name, &|means| means.best[index].mse.sqrt(), power_of_ten);
     }
-    row(&format!("k of RMSE ~ N⁻ᵏ by `{BEST}`"), whole.exponent, three_digits);
-    row(&format!("samples per pixel for the RMSE of the whole image by `{BEST}`"), whole.best_spp, three_digits);
-    row(&format!("**processor time of these by `{BEST}`**"), whole.best_seconds, span);
-    row("two years / that time", whole.best_seconds.map(|seconds| seconds.inverse(SECONDS)), three_digits);
+    row(&format!("k of RMSE ~ N⁻ᵏ by `{BEST}`"), &exponent, three_digits);
+    row(&format!("samples per pixel for the RMSE of the whole image by `{BEST}`"), &best_spp, three_digits);
+    row(&format!("**processor time of these by `{BEST}`**"), &best_seconds, span);
+    row("two years / that time", &|means| SECONDS / best_seconds(means), three_digits);
     table
 }
 
 /// The whole page `docs/TERARAYS.md`.
-pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
+pub(super) fn markdown(tiles: &[TileResult], processor: &str, commit: &str) -> String {
     format!(
         "# 10¹² rays\n\n\
          After reading this page you know how long the lecture's Cornell box of a trillion rays takes in rt, \
@@ -65,7 +69,7 @@ pub(super) fn markdown(whole: &Whole, processor: &str, commit: &str) -> String {
          The same tiles are rendered with `{BEST}`, the sampler that reaches a given error in the minimum time. A line through the \
          logarithms of its errors and sample counts extrapolates to the error of the whole image.\n",
         grouped(PRIMARY_RAYS),
-        table(whole),
+        table(tiles),
         grouped(u64::from(TILES)),
     )
 }
@@ -102,8 +106,7 @@ fn superscript(exponent: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{
-        super::lecture_numbers::Tile,
-        super::tile_job::{Measured, TileResult},
+        super::{lecture_numbers::Tile, tile_job::Measured},
         *,
     };
 
@@ -130,14 +133,13 @@ mod tests {
                 best: BEST_SPP.map(measured),
             }
         });
-        let whole = Whole::of(&units).unwrap();
-        let text = table(&whole).to_string();
+        let text = table(&units).to_string();
         let rows = text.lines().map(|line| line.split('|').map(str::trim).collect::<Vec<_>>().join("|") + "\n");
         let rows: String = rows.collect();
         // A million tiles of one second, and two years by that.
         assert!(rows.contains("image**|12.1 days|"), "{text}");
         assert!(rows.contains("|two years / that time|60.2|"), "{text}");
         assert!(rows.contains("RMSE of the whole image|3.15 · 10⁻³|3.15 · 10⁻³ to 3.15 · 10⁻³|"), "{text}");
-        assert!(markdown(&whole, "processor", "commit").contains(&text));
+        assert!(markdown(&units, "processor", "commit").contains(&text));
     }
 }

@@ -1,14 +1,17 @@
 //! A tile, rendered and measured: the unit of the work.
 
-use std::{path::Path, time::Duration};
+use std::path::Path;
 
-use rt_image::{Image, read_image};
+use rt_image::{
+    Image,
+    metrics::{ImagePair, mean_squared_error},
+    read_image,
+};
 use serde::{Deserialize, Serialize};
 
 use super::lecture_numbers::{SIZE, SPP, TILE_PIXELS, Tile};
 use crate::{
     error::TaskError,
-    process::Program,
     renderer::Renderer,
     statistics::{self, Statistics},
 };
@@ -22,8 +25,6 @@ pub(super) const BEST_SPP: [u32; 3] = [1024, 4096, 16_384];
 
 /// Samples per pixel of the render that counts rays, which is not timed.
 const COUNTED_SPP: u32 = 64 * 64;
-/// A render that takes longer than this has gone wrong.
-const TIMEOUT: Duration = Duration::from_secs(600);
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,7 +50,8 @@ pub(super) struct Measured {
 
 #[derive(Debug)]
 pub(super) struct TileRenderer<'a> {
-    pub program: &'a Program,
+    pub renderer: Renderer,
+    pub folder: &'a Path,
     pub scene: &'a Path,
 }
 
@@ -63,6 +65,20 @@ impl TileResult {
                 .iter()
                 .chain([&self.jittered])
                 .all(|it| sound(it.cpu_seconds) && it.mse.is_finite() && it.mse >= 0.0)
+    }
+
+    /// Combines each number with the same number of another tile.
+    pub(super) fn zip(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let both = |a: Measured, b: Measured| Measured {
+            cpu_seconds: of(a.cpu_seconds, b.cpu_seconds),
+            mse: of(a.mse, b.mse),
+        };
+        Self {
+            tile: self.tile,
+            rays_per_sample: of(self.rays_per_sample, other.rays_per_sample),
+            jittered: both(self.jittered, other.jittered),
+            best: std::array::from_fn(|index| both(self.best[index], other.best[index])),
+        }
     }
 }
 
@@ -79,10 +95,9 @@ impl TileRenderer<'_> {
     }
 
     fn count(&self, tile: Tile) -> Result<f64, TaskError> {
-        let renderer = Renderer::new(self.program.path.clone(), TIMEOUT);
         let args = arguments(tile, JITTERED, COUNTED_SPP, 0);
         let args: Vec<&str> = args.split(' ').collect();
-        let Statistics { rays, .. } = statistics::measure(&renderer, &self.program.folder, self.scene, &args)?;
+        let Statistics { rays, .. } = statistics::measure(&self.renderer, self.folder, self.scene, &args)?;
         Ok(rays.total.rays as f64 / f64::from(COUNTED_SPP * TILE_PIXELS))
     }
 
@@ -90,9 +105,10 @@ impl TileRenderer<'_> {
     fn twice(&self, tile: Tile, sampler: &str, spp: u32) -> Result<Measured, TaskError> {
         let [first, second] = [1, 2].map(|seed| self.render(tile, sampler, spp, seed));
         let ((first_seconds, first), (second_seconds, second)) = (first?, second?);
+        let pair = ImagePair::new(&first, &second).map_err(TaskError::other)?;
         Ok(Measured {
             cpu_seconds: 0.5 * (first_seconds + second_seconds),
-            mse: 0.5 * mean_squared_difference(&first, &second),
+            mse: 0.5 * mean_squared_error(&pair).mean(),
         })
     }
 
@@ -103,8 +119,8 @@ impl TileRenderer<'_> {
         let args = arguments(tile, sampler, spp, seed);
         let mut all = vec!["render", &scene, "-o", IMAGE, "--quiet"];
         all.extend(args.split(' '));
-        let used = self.program.run(&all)?;
-        let image = read_image(&self.program.folder.join(IMAGE));
+        let used = self.renderer.measure(self.folder, &all)?;
+        let image = read_image(&self.folder.join(IMAGE));
         Ok((used.cpu_seconds, image.map_err(TaskError::other)?))
     }
 }
@@ -115,28 +131,9 @@ fn arguments(tile: Tile, sampler: &str, spp: u32, seed: u32) -> String {
     format!("--size {SIZE}x{SIZE} --crop {crop} --sampler {sampler} --spp {spp} --passes 1 --seed {seed} --threads 1")
 }
 
-/// Mean squared difference over all channels of all pixels.
-fn mean_squared_difference(a: &Image, b: &Image) -> f64 {
-    let pairs = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
-    let squares: f64 = pairs.map(|(&a, &b)| (f64::from(a) - f64::from(b)) * (f64::from(a) - f64::from(b))).sum();
-    squares / a.pixels().as_flattened().len() as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn differences_are_squared_and_averaged() {
-        let film = |values: [f32; 6]| {
-            let mut film = Image::new(2, 1, false);
-            film.pixels_mut().as_flattened_mut().copy_from_slice(&values);
-            film
-        };
-        let (a, b) = (film([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), film([0.0, 1.0, 2.0, 3.0, 1.0, 5.0]));
-        assert_eq!(mean_squared_difference(&a, &b), 1.5);
-        assert_eq!(mean_squared_difference(&a, &a), 0.0);
-    }
 
     #[test]
     fn numbers_that_cannot_be_measured_are_not_sound() {

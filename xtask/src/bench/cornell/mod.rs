@@ -1,13 +1,16 @@
 //! Cornell box against a reference: error, time, and efficiency 1 / (MSE · seconds), compared with other renderers.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use rt_image::{Image, read_image};
 
 use super::common::print;
 use crate::{
     error::TaskError,
-    process::{Program, Usage},
+    renderer::{Renderer, Usage},
     workspace::Workspace,
 };
 
@@ -46,12 +49,13 @@ pub(super) struct CornellOptions {
 pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(), TaskError> {
     let reference = ReferenceImage::new(read(&options.reference)?, options.noise);
     let path = workspace.build_release_renderer()?;
-    let program = Program { path, folder: workspace.fresh_folder("bench-cornell")? };
+    let folder = workspace.fresh_folder("bench-cornell")?;
+    let renderer = Renderer::new(path, Duration::MAX);
     let scene = workspace.root.join(SCENE);
     let mut figures = Vec::new();
     for threads in [Some(1), None] {
         for &spp in &options.spp {
-            figures.push(figure(&program, &scene, &reference, options, (threads, spp))?);
+            figures.push(figure((&renderer, &folder), &scene, &reference, options, (threads, spp))?);
         }
     }
     let results = CornellResults {
@@ -66,23 +70,31 @@ pub(super) fn run(workspace: &Workspace, options: &CornellOptions) -> Result<(),
     print(&results, &results)
 }
 
+/// Radiance in single precision, so that no error is that of the file.
+const IMAGE: &str = "picture.pfm";
+
 /// Renders with all seeds.
 fn figure(
-    program: &Program,
+    (renderer, folder): (&Renderer, &Path),
     scene: &Path,
     reference: &ReferenceImage,
     options: &CornellOptions,
     (threads, spp): (Option<u32>, u32),
 ) -> Result<CornellResult, TaskError> {
-    let runs: Vec<(Usage, Errors)> = (1..=options.seeds)
-        .map(|seed| {
-            let used = render(program, scene, options, (threads, spp, seed))?;
-            let errors = reference.measure(&read(&program.folder.join(IMAGE))?);
-            let other_size =
-                || TaskError::Other(format!("{}: the size differs from that of {SCENE}", options.reference.display()));
-            Ok((used, errors.ok_or_else(other_size)?))
-        })
-        .collect::<Result<_, TaskError>>()?;
+    let scene = scene.to_string_lossy();
+    let run = |seed: u32| {
+        let [spp, seed, passes] = [spp, seed, options.passes].map(|number| number.to_string());
+        let mut args = vec!["render", &scene, "-o", IMAGE, "--quiet", "--spp", &spp, "--seed", &seed];
+        args.extend(["--sampler", &options.sampler, "--passes", &passes]);
+        let threads = threads.map(|threads| threads.to_string());
+        args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
+        let used = renderer.measure(folder, &args)?;
+        let errors = reference.measure(&read(&folder.join(IMAGE))?);
+        let other_size =
+            || TaskError::Other(format!("{}: the size differs from that of {SCENE}", options.reference.display()));
+        Ok((used, errors.ok_or_else(other_size)?))
+    };
+    let runs = (1..=options.seeds).map(run).collect::<Result<Vec<(Usage, Errors)>, TaskError>>()?;
     let mean = |of: fn(&(Usage, Errors)) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
     let (mse, cpu_seconds) = (mean(|(_, errors)| errors.mse), mean(|(used, _)| used.cpu_seconds));
     Ok(CornellResult {
@@ -95,24 +107,6 @@ fn figure(
         mean_ratio: mean(|(_, errors)| errors.mean_ratio),
         efficiency: 1.0 / (mse * cpu_seconds),
     })
-}
-
-/// Radiance in single precision, so that no error is that of the file.
-const IMAGE: &str = "picture.pfm";
-
-fn render(
-    program: &Program,
-    scene: &Path,
-    options: &CornellOptions,
-    (threads, spp, seed): (Option<u32>, u32, u32),
-) -> Result<Usage, TaskError> {
-    let scene = scene.to_string_lossy();
-    let [spp, seed, passes] = [spp, seed, options.passes].map(|number| number.to_string());
-    let mut args = vec!["render", &scene, "-o", IMAGE, "--quiet", "--spp", &spp, "--seed", &seed];
-    args.extend(["--sampler", &options.sampler, "--passes", &passes]);
-    let threads = threads.map(|threads| threads.to_string());
-    args.extend(threads.iter().flat_map(|threads| ["--threads", threads]));
-    program.run(&args)
 }
 
 fn read(path: &Path) -> Result<Image, TaskError> {

@@ -6,7 +6,7 @@ use rt_accel::{Accelerator as _, AnyAccelerator, BuildStats};
 use serde::Serialize;
 
 use super::{mismatch::Mismatches, trace::Query};
-use crate::{bench::timing_stats::Spread, number::three_digits, table::Table};
+use crate::{number::three_digits, table::Table, timings::Spread};
 
 /// Building one accelerator over one mesh.
 #[derive(Debug, Serialize)]

@@ -53,76 +53,64 @@ impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
     type Output = ();
 
     fn visit<T: Accelerator>(self, accelerator: &T) {
-        let Self { mesh, method, rays, answers } = self;
-        let share = method.batch.unwrap_or(SHARE);
-        match (method.batch, method.query) {
-            (None, Query::Closest) => for_each_share(rays, answers, share, &|(), rays, answers| {
-                for (record, answer) in rays.iter().zip(answers) {
+        let Self { mesh, method: Method { query, batch }, rays, answers } = self;
+        for_each_share(rays, answers, batch.unwrap_or(SHARE), &|scratch, records, answers| match (batch, query) {
+            (None, Query::Closest) => {
+                for (record, answer) in records.iter().zip(answers) {
                     let (ray, span) = record.widen();
                     *answer = accelerator.closest(mesh, &ray, span, &mut NoProbe).into();
                 }
-            }),
-            (None, Query::Occluded) => for_each_share(rays, answers, share, &|(), rays, answers| {
-                for (record, answer) in rays.iter().zip(answers) {
+            }
+            (None, Query::Occluded) => {
+                for (record, answer) in records.iter().zip(answers) {
                     let (ray, span) = record.widen();
                     *answer = accelerator.occluded(mesh, &ray, span, &mut NoProbe).into();
                 }
-            }),
+            }
             (Some(_), Query::Closest) => {
-                for_each_share(rays, answers, share, &|batch: &mut Batch<_>, rays, answers| {
-                    batch.fill(rays, None);
-                    accelerator.closest_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
-                    batch.store(answers);
-                })
+                scratch.widen(records);
+                scratch.hits.clear();
+                scratch.hits.resize(records.len(), None);
+                accelerator.closest_batch(mesh, &scratch.rays, &mut scratch.hits, &mut NoProbe);
+                store(&scratch.hits, answers);
             }
             (Some(_), Query::Occluded) => {
-                for_each_share(rays, answers, share, &|batch: &mut Batch<_>, rays, answers| {
-                    batch.fill(rays, false);
-                    accelerator.occluded_batch(mesh, &batch.rays, &mut batch.found, &mut NoProbe);
-                    batch.store(answers);
-                })
+                scratch.widen(records);
+                scratch.occluded.clear();
+                scratch.occluded.resize(records.len(), false);
+                accelerator.occluded_batch(mesh, &scratch.rays, &mut scratch.occluded, &mut NoProbe);
+                store(&scratch.occluded, answers);
             }
-        }
+        });
     }
 }
 
-/// Work on consecutive rays and their answers, with the state of its thread.
-type ShareWork<'w, S, A> = dyn Fn(&mut S, &[RayRecord], &mut [A]) + Sync + 'w;
+/// Work on consecutive rays and their answers, with the scratch arrays of its thread.
+type ShareWork<'w, A> = dyn Fn(&mut Batch, &[RayRecord], &mut [A]) + Sync + 'w;
 
 /// Does the work on all rays, `share` at a time. Compiled once for all accelerators, unlike the work.
-fn for_each_share<S: Default, A: Send>(
-    rays: &[RayRecord],
-    answers: &mut [A],
-    share: usize,
-    work: &ShareWork<'_, S, A>,
-) {
+fn for_each_share<A: Send>(rays: &[RayRecord], answers: &mut [A], share: usize, work: &ShareWork<'_, A>) {
     let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));
-    shares.for_each_init(S::default, |state, (rays, answers)| work(state, rays, answers));
+    shares.for_each_init(Batch::default, |batch, (rays, answers)| work(batch, rays, answers));
 }
 
 /// Scratch arrays for the rays of a batch and their hits, reused by each thread.
-struct Batch<F> {
+#[derive(Default)]
+struct Batch {
     rays: Vec<(Ray, Interval)>,
-    found: Vec<F>,
+    hits: Vec<Option<Hit>>,
+    occluded: Vec<bool>,
 }
 
-impl<F> Default for Batch<F> {
-    fn default() -> Self {
-        Self { rays: Vec::new(), found: Vec::new() }
-    }
-}
-
-impl<F: Copy> Batch<F> {
-    fn fill(&mut self, records: &[RayRecord], nothing: F) {
+impl Batch {
+    fn widen(&mut self, records: &[RayRecord]) {
         self.rays.clear();
         self.rays.extend(records.iter().map(RayRecord::widen));
-        self.found.clear();
-        self.found.resize(records.len(), nothing);
     }
+}
 
-    fn store<A: From<F>>(&self, answers: &mut [A]) {
-        for (to, found) in answers.iter_mut().zip(&self.found) {
-            *to = (*found).into();
-        }
+fn store<F: Copy, A: From<F>>(found: &[F], answers: &mut [A]) {
+    for (answer, found) in answers.iter_mut().zip(found) {
+        *answer = (*found).into();
     }
 }

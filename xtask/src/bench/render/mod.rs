@@ -8,15 +8,12 @@ use std::{
 
 use rt_accel::AcceleratorKind;
 
-use super::{
-    common::{accelerator, print},
-    timing_stats::Spread,
-};
+use super::common::{accelerator, print};
 use crate::{
     error::TaskError,
-    process::{Program, Usage},
-    renderer::Renderer,
-    statistics::{self, Statistics},
+    renderer::{Renderer, Usage},
+    statistics,
+    timings::Spread,
     workspace::{Workspace, output_of, sorted_entries},
 };
 
@@ -54,11 +51,11 @@ pub(super) struct RenderOptions {
 pub(super) fn run(workspace: &Workspace, options: &RenderOptions) -> Result<(), TaskError> {
     let program = workspace.build_release_renderer()?;
     let folder = workspace.fresh_folder("bench-render")?;
-    let program = Program { path: program, folder };
-    let min_bytes = program.empty()?.bytes;
+    let renderer = Renderer::new(program, TIMEOUT);
+    let min_bytes = renderer.measure(&folder, &["--version"])?.bytes;
     let mut figures = RenderResults { min_bytes, peers: peers::SOURCE, ..RenderResults::default() };
     for path in descriptions(options)? {
-        figures.scenes.push(scene(&program, &path, options)?);
+        figures.scenes.push(scene(&renderer, &folder, &path, options)?);
     }
     if figures.scenes.is_empty() {
         let folder = options.folder.display();
@@ -79,15 +76,26 @@ fn descriptions(options: &RenderOptions) -> Result<Vec<PathBuf>, TaskError> {
     Ok(paths)
 }
 
-fn scene(program: &Program, description: &Path, options: &RenderOptions) -> Result<RenderResult, TaskError> {
+fn scene(
+    renderer: &Renderer,
+    folder: &Path,
+    description: &Path,
+    options: &RenderOptions,
+) -> Result<RenderResult, TaskError> {
     let outline: Outline = exchange_scene::read(description)?;
     let name = outline.name.clone();
-    let path = program.folder.join(format!("{name}.json"));
+    let path = folder.join(format!("{name}.json"));
     convert_elsewhere(description, &path)?;
-    let rays = count_rays(program, &path, options)?;
+    let rays = statistics::measure(renderer, folder, &path, &accel(options))?;
     let image = format!("{name}.png");
-    let whole = runs(program, &path, &image, options, &[])?;
-    let small = runs(program, &path, "small.png", options, &["--size", "8x8", "--spp", "1"])?;
+    let (scene, threads) = (path.to_string_lossy(), options.threads.to_string());
+    let runs = |image: &str, more: &[&str]| {
+        let common = ["render", &scene, "-o", image, "--quiet", "--threads", &threads];
+        let args = [&common, accel(options).as_slice(), more].concat();
+        (0..options.reps).map(|_| renderer.measure(folder, &args)).collect::<Result<Vec<_>, _>>()
+    };
+    let whole = runs(&image, &[])?;
+    let small = runs("small.png", &["--size", "8x8", "--spp", "1"])?;
     let spread = |runs: &[Usage], of: fn(&Usage) -> f64| Spread::of(runs.iter().map(of).collect());
     Ok(RenderResult {
         size: (outline.w, outline.h),
@@ -101,7 +109,7 @@ fn scene(program: &Program, description: &Path, options: &RenderOptions) -> Resu
         peak_bytes: whole.iter().map(|usage| usage.bytes).max().unwrap_or_default(),
         small_wall_seconds: spread(&small, |usage| usage.wall_seconds),
         fastest_peer: peers::fastest(&name),
-        image: program.folder.join(image),
+        image: folder.join(&image),
         scene: name,
     })
 }
@@ -112,26 +120,6 @@ fn convert_elsewhere(description: &Path, scene: &Path) -> Result<(), TaskError> 
     let program = std::env::current_exe().map_err(TaskError::other)?;
     let mut command = Command::new(program);
     output_of(command.args(["bench", "convert"]).arg(description).arg(scene)).map(|_| ())
-}
-
-/// Counters of a run that is not timed.
-fn count_rays(program: &Program, scene: &Path, options: &RenderOptions) -> Result<Statistics, TaskError> {
-    let renderer = Renderer::new(program.path.clone(), TIMEOUT);
-    let accel = accel(options);
-    statistics::measure(&renderer, &program.folder, scene, &accel)
-}
-
-fn runs(
-    program: &Program,
-    scene: &Path,
-    image: &str,
-    options: &RenderOptions,
-    more: &[&str],
-) -> Result<Vec<Usage>, TaskError> {
-    let (scene, threads) = (scene.to_string_lossy(), options.threads.to_string());
-    let common = ["render", &scene, "-o", image, "--quiet", "--threads", &threads];
-    let args = [&common, accel(options).as_slice(), more].concat();
-    (0..options.reps).map(|_| program.run(&args)).collect()
 }
 
 fn accel(options: &RenderOptions) -> Vec<&'static str> {

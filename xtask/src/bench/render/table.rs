@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use super::peers::Peer;
 use crate::{
-    bench::timing_stats::Spread,
     number::{grouped, three_digits},
     table::Table,
+    timings::Spread,
 };
 
 #[derive(Debug, Serialize)]

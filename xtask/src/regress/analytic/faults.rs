@@ -190,20 +190,3 @@ fn lost_strata(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     }
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::workspace::Workspace;
-
-    #[test]
-    fn every_fault_is_found_and_nothing_else() {
-        let workspace = Workspace::load().unwrap();
-        let conditions = Conditions { full: false, workspace: &workspace };
-        for case in CASES {
-            let mut checks = Checks::default();
-            (case.run)(&conditions, &mut checks).unwrap();
-            assert_eq!(checks.failed, 0, "{:?}", checks.problems);
-        }
-    }
-}

@@ -1,12 +1,10 @@
 //! Defocus blur of a lens.
 
-use std::f64::consts::PI;
-
-use rt_math::transcendental::acos;
 use rt_scene_io::Integrator;
 
 use super::{
     Case, Checks, Conditions, Fallible, cases,
+    closed_form::cut_disk,
     test_image::{DARK, TestImage},
 };
 
@@ -42,9 +40,15 @@ fn depth_of_field(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> 
                     material: \"lamp\",
                 )],"
         ))?;
-        let truth = (acos(part) - part * ((1.0 - part) * (1.0 + part)).sqrt()) / PI;
         let what = format_args!("edge at {part} of the radius");
-        image.hold_by(&[Integrator::Distributed, Integrator::Path], checks, what, truth, 1.0, conditions.effort())?;
+        image.hold_by(
+            &[Integrator::Distributed, Integrator::Path],
+            checks,
+            what,
+            cut_disk(part),
+            1.0,
+            conditions.effort(),
+        )?;
     }
     Ok(())
 }

@@ -49,7 +49,7 @@ chapters! {
 }
 
 /// One unit per case.
-pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
+pub(super) fn units() -> impl Iterator<Item = Unit> {
     suite::units("analytic", CHAPTERS)
 }
 

@@ -73,8 +73,7 @@ fn shallow(accelerators: &[AnyAccelerator], checks: &mut Checks) {
 fn nothing(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let set = ShapeSet::default();
     let accelerators = all_accelerators(&set)?;
-    checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
-        let mut draw = Draw::of(37, index);
+    checks.draw_all(conditions.count(2_000, 100_000), 37, |draw, checks| {
         let ray = Ray::new(draw.point(), draw.point() * draw.pick(&[0.0, 1.0, f64::INFINITY, f64::NAN]));
         for accelerator in &accelerators {
             let hit = accelerator.closest(&set, &ray, Interval::FORWARD, &mut NoProbe);
@@ -156,8 +155,7 @@ fn flat(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     }
     let set = ShapeSet::of_shapes(shapes);
     let accelerators = all_accelerators(&set)?;
-    checks.of_all(conditions.count(2_000, 200_000), |index, checks| {
-        let mut draw = Draw::of(41, index);
+    checks.draw_all(conditions.count(2_000, 200_000), 41, |draw, checks| {
         let aim = corner(draw.below(side + 1), draw.below(side + 1));
         let origin = match draw.below(4) {
             // Within the plane, straight above, and anywhere.
@@ -226,8 +224,7 @@ fn split_planes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         planes.sort_by(f64::total_cmp);
         planes.dedup();
     }
-    checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(43, index);
+    checks.draw_all(conditions.count(20_000, 1_000_000), 43, |draw, checks| {
         let axis = draw.below(3);
         let mut origin = draw.point() * 2.0;
         let mut direction = draw.point() * 0.6 - origin;
@@ -262,8 +259,7 @@ fn cell_corners(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mut accelerators = all_accelerators(&set)?;
     let fine = UniformGrid::with_resolution(&set, [CELLS; 3])?;
     accelerators.push(AnyAccelerator::Grid(fine));
-    checks.of_all(conditions.count(10_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(44, index);
+    checks.draw_all(conditions.count(10_000, 1_000_000), 44, |draw, checks| {
         let through = DVec3::from([(); 3].map(|()| draw.below(CELLS as usize + 1) as f64)) / f64::from(CELLS);
         let direction = DVec3::from([(); 3].map(|()| draw.pick(&[1.0, -1.0, 1.0, -1.0, 0.0, 0.5, 2.0])));
         let back = draw.pick(&[2.0, 1.0, 0.5, 3.0 / 256.0]);

@@ -3,7 +3,7 @@
 use rt_accel::Accelerator;
 use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Plane, Shape};
 use rt_math::{DVec3, Interval, Ray, float::UNIT_ROUNDOFF};
-use rt_tests::{Draw, ShapeSet};
+use rt_tests::ShapeSet;
 
 use super::{Case, Checks, Conditions, Fallible, Tolerance, cases, scenes::all_accelerators};
 
@@ -93,8 +93,7 @@ fn coplanar(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let plane = |point: DVec3| Plane::new(point, DVec3::Z).map(Shape::Plane);
     let set = ShapeSet::of_shapes([plane(DVec3::ZERO)?, plane(DVec3::ZERO)?]);
     let accelerators = all_accelerators(&set)?;
-    checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(15, index);
+    checks.draw_all(conditions.count(20_000, 1_000_000), 15, |draw, checks| {
         let origin = draw.point() * 10.0;
         let ray = Ray::new(origin, DVec3::new(draw.unit(), draw.unit(), -origin.z) * draw.between(0.1, 10.0));
         for accelerator in &accelerators {

@@ -81,10 +81,9 @@ fn closed_meshes(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 /// Rays from around the centre that miss all triangles.
 fn misses(mesh: &Facets, centre: DVec3, scale: f64, rays: u64, checks: &mut Checks) -> Fallible<()> {
     let accelerator = Bvh::build(mesh)?;
-    checks.of_all(rays, |index, checks| {
-        let mut draw = Draw::of(23, index);
+    checks.draw_all(rays, 23, |draw, checks| {
         let origin = centre + draw.point() * (0.4 * scale);
-        let ray = Ray::new(origin, mesh.aim(&mut draw) - origin);
+        let ray = Ray::new(origin, mesh.aim(draw) - origin);
         let hit = accelerator.closest(mesh, &ray, Interval::FORWARD, &mut NoProbe);
         checks.check(hit.is_some(), || format!("centre {centre}, scale {scale:e}: {ray:?}"));
     });
@@ -127,10 +126,9 @@ fn misses_of_instance(
     let accelerator = Bvh::build(&mesh)?;
     let vertices = mesh.data().positions.iter().map(|vertex| place.point(vertex.as_dvec3())).collect();
     let world = Facets { vertices, triangles: triangles.to_vec() };
-    checks.of_all(rays, |index, checks| {
-        let mut draw = Draw::of(24, index);
+    checks.draw_all(rays, 24, |draw, checks| {
         let origin = place.point(draw.point() * 0.4);
-        let ray = Ray::new(origin, world.aim(&mut draw) - origin);
+        let ray = Ray::new(origin, world.aim(draw) - origin);
         let hit = accelerator.closest(&mesh, &place.inverse_ray(&ray), Interval::FORWARD, &mut NoProbe);
         checks.check(hit.is_some(), || format!("instance at {}: {ray:?}", place.translation()));
     });
@@ -255,8 +253,7 @@ fn slivers(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
             let triangle = sliver(length, width, &place)?;
             let slack = DVec3::splat(1e-12 * length);
             let around = Aabb::new(triangle.bounds().min - slack, triangle.bounds().max + slack);
-            checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
-                let mut draw = Draw::of(27, index);
+            checks.draw_all(conditions.count(2_000, 100_000), 27, |draw, checks| {
                 let aim = DVec3::new(draw.unit() * length, draw.between(-0.5, 1.5) * width, 0.0);
                 let from = match draw.below(3) {
                     // In the plane, nearly in it, and from anywhere.

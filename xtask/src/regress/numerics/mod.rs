@@ -38,7 +38,7 @@ chapters! {
 }
 
 /// One unit per case.
-pub(super) fn units() -> impl Iterator<Item = Box<dyn Unit>> {
+pub(super) fn units() -> impl Iterator<Item = Unit> {
     suite::units("numerics", CHAPTERS)
 }
 

@@ -92,8 +92,7 @@ fn null_glass(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let mirror = (slab(3.0, 4.0)?, mirror());
     let with = [floor.clone(), mirror.clone(), null];
     let without = [floor, mirror];
-    checks.of_all(conditions.count(5_000, 200_000), |index, checks| {
-        let mut draw = Draw::of(49, index);
+    checks.draw_all(conditions.count(5_000, 200_000), 49, |draw, checks| {
         let origin = draw.direction() * 2.0;
         let ray = Ray::new(origin, draw.point() - origin);
         let [with, without] = [&with[..], &without].map(|shapes| look(shapes, SKY, 3, &ray).radiance.to_array());
@@ -105,8 +104,7 @@ fn null_glass(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
 fn one_dielectric(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let glass = || dielectric(GLASS, true);
     let (one, two) = ([(slab(-1.0, 1.0)?, glass())], [(slab(-1.0, 0.3)?, glass()), (slab(-0.2, 1.0)?, glass())]);
-    checks.of_all(conditions.count(2_000, 100_000), |index, checks| {
-        let mut draw = Draw::of(50, index);
+    checks.draw_all(conditions.count(2_000, 100_000), 50, |draw, checks| {
         let origin = DVec3::new(draw.between(-2.0, 2.0), 4.0, draw.between(-2.0, 2.0));
         let ray = Ray::new(origin, draw.point() * DVec3::new(1.0, 0.0, 1.0) - origin);
         let [one, two] = [&one[..], &two].map(|shapes| look(shapes, SKY, 6, &ray));

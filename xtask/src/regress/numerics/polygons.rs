@@ -114,8 +114,7 @@ fn collinear(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let crowded: Vec<DVec3> = (0..4).flat_map(side).collect();
     for rule in [InsideRule::Convex, InsideRule::Winding, InsideRule::EvenOdd] {
         let (plain, crowded) = (simple(&square, rule)?, simple(&crowded, rule)?);
-        checks.of_all(conditions.count(600, 20_000), |index, checks| {
-            let mut draw = Draw::of(31, index);
+        checks.draw_all(conditions.count(600, 20_000), 31, |draw, checks| {
             let on_side = draw.one_in(2);
             let x = if on_side { draw.pick(&[0.0, 1.0, 0.5, 1.0 / 32_768.0]) } else { draw.between(-0.1, 1.1) };
             let aim = DVec3::new(x, draw.between(-0.1, 1.1), 0.0);
@@ -140,8 +139,7 @@ fn shared_edge(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
             let left = simple(&[b, place(-2.0, 3.0), place(-1.0, 0.1), place(-3.0, -3.0), a], rules[0])?;
             let right = simple(&[a, place(2.0, -3.0), place(3.0, 2.5), b], rules[1])?;
             let pair = [left, right];
-            checks.of_all(rays, |index, checks| {
-                let mut draw = Draw::of(32, index);
+            checks.draw_all(rays, 32, |draw, checks| {
                 let aim = a.lerp(b, draw.between(0.01, 0.99));
                 let origin = aim + turn.vector(draw.above(DVec3::Z, 0.1)) * draw.pick(&[0.5, 2.0, 30.0]);
                 let ray = Ray::new(origin, aim - origin);

@@ -2,7 +2,6 @@
 
 use rt_geometry::{CappedQuadric, InfiniteQuadric, InteractionFlags, ShapeHit};
 use rt_math::{DVec3, Interval, Ray, transcendental::sincos};
-use rt_tests::Draw;
 
 use super::{Case, Checks, Conditions, FOUR_U, Fallible, Tolerance, cases};
 
@@ -88,8 +87,7 @@ fn along_the_axis(_: &Conditions, checks: &mut Checks) -> Fallible<()> {
 /// Rays that enter the solid at the rim: however the aim is rounded, the cap or the side is hit within rounding of it.
 fn rim(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let cylinder = CappedQuadric::cylinder(0.7, -0.3, 1.1, true)?;
-    checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(18, index);
+    checks.draw_all(conditions.count(50_000, 1_000_000), 18, |draw, checks| {
         let (sin, cos) = sincos(draw.between(0.0, std::f64::consts::TAU));
         let (height, up) = draw.pick(&[(1.1, 1.0), (-0.3, -1.0)]);
         let aim = DVec3::new(0.7 * cos, height, 0.7 * sin);

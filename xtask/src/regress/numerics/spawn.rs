@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rt_accel::{Accelerator, Bvh};
 use rt_geometry::{Cuboid, InteractionFlags, NoProbe, Shape, Sphere};
 use rt_math::{DVec3, Interval, Ray};
-use rt_tests::{Draw, SPAWN_SETUPS, ShapeSet, Spawned};
+use rt_tests::{ShapeSet, Spawned, spawn_setups};
 
 use super::{Case, Checks, Conditions, Fallible, cases};
 
@@ -18,7 +18,7 @@ cases! {
 fn spawn_table(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let rays = conditions.count(30_000, 1_000_000);
     checks.note("scale | offset | triangle | rays | acne | leaks");
-    for setup in SPAWN_SETUPS {
+    for setup in spawn_setups() {
         let blocks: Vec<u64> = (0..rays.div_ceil(10_000)).collect();
         let parts: Result<Vec<Spawned>, _> =
             blocks.par_iter().map(|block| setup.spawn(block * 10_000..rays.min((block + 1) * 10_000))).collect();
@@ -40,8 +40,7 @@ fn gap(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const GAP: f64 = 1e-9;
     let outer = Sphere::new(DVec3::ZERO, 1.0)?;
     let inner = Sphere::new(DVec3::ZERO, 1.0 - GAP)?;
-    checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(34, index);
+    checks.draw_all(conditions.count(50_000, 1_000_000), 34, |draw, checks| {
         let arriving = draw.direction() * 3.0;
         // Near the silhouette the way across the gap grows longer, up to √(2·gap).
         let ray = Ray::new(arriving, draw.point() * 0.5 - arriving);
@@ -79,8 +78,7 @@ fn stack(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let coins: Result<Vec<Cuboid>, _> = (0..COINS).map(coin).collect();
     let set = ShapeSet::of_shapes(coins?.into_iter().map(Shape::Cuboid));
     let accelerator = Bvh::build(&set)?;
-    checks.of_all(conditions.count(20_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(35, index);
+    checks.draw_all(conditions.count(20_000, 1_000_000), 35, |draw, checks| {
         let at = draw.below(COINS - 1);
         // Points in the gap are a part of the visible ones, from the side.
         let [top, next] = [heights(at)[1], heights(at + 1)[0]];

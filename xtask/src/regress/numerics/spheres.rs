@@ -98,8 +98,7 @@ fn scaled_directions(conditions: &Conditions, checks: &mut Checks) -> Fallible<(
 
 fn chords(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let sphere = unit_sphere()?;
-    checks.of_all(conditions.count(50_000, 1_000_000), |index, checks| {
-        let mut draw = Draw::of(7, index);
+    checks.draw_all(conditions.count(50_000, 1_000_000), 7, |draw, checks| {
         let arriving = draw.direction() * 3.0;
         let aim = draw.point() * 0.5;
         let ray = Ray::new(arriving, aim - arriving);
@@ -164,8 +163,7 @@ fn needle(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     const AXES: [f64; 3] = [1.0, 1e-6, 1e6];
     const LIMIT: f64 = 1e12 * UNIT_ROUNDOFF;
     let placed = TransformedShape::new(Shape::Sphere(unit_sphere()?), Transform::scale(AXES.into())?);
-    checks.of_all(conditions.count(5_000, 100_000), |index, checks| {
-        let mut draw = Draw::of(8, index);
+    checks.draw_all(conditions.count(5_000, 100_000), 8, |draw, checks| {
         let stretch = DVec3::from(AXES);
         let origin = draw.point() * stretch * draw.pick(&[1.5, 3.0, 100.0]);
         // Towards a point within or just outside of the ellipsoid.

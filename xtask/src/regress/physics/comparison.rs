@@ -194,21 +194,16 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_that_keeps_the_image_mean_is_found_in_the_blocks() {
+    fn faults_of_blocks_are_found() {
         // Half of the blocks lose what the others gain: the scene is mirrored, say.
-        let shifted = |i: usize| if (i / 3).is_multiple_of(2) { plain(i) * 1.08 } else { plain(i) * 0.92 };
-        let ours = BlockMeans::of_seeds(&renders(16, 1, 0.05, shifted));
-        let reference = BlockMeans::of_seeds(&renders(16, 700, 0.05, plain));
-        let comparison = Comparison::of(&ours, &reference, NONE);
-        assert!(comparison.problems.iter().any(|problem| problem.contains("RMS")), "{:?}", comparison.problems);
-    }
-
-    #[test]
-    fn one_block_that_is_wrong_is_found() {
-        let ours = BlockMeans::of_seeds(&renders(16, 1, 0.05, |i| if i == 40 { 2.0 * plain(i) } else { plain(i) }));
-        let reference = BlockMeans::of_seeds(&renders(16, 700, 0.05, plain));
-        let problems = Comparison::of(&ours, &reference, NONE).problems;
-        assert!(problems.iter().any(|problem| problem.contains("a block differs")), "{problems:?}");
+        let shifted = |i: usize| plain(i) * if (i / 3).is_multiple_of(2) { 1.08 } else { 0.92 };
+        let wrong = |i: usize| if i == 40 { 2.0 * plain(i) } else { plain(i) };
+        for (mean, expected) in [(&shifted as &dyn Fn(usize) -> f64, "RMS"), (&wrong, "a block differs")] {
+            let ours = BlockMeans::of_seeds(&renders(16, 1, 0.05, mean));
+            let reference = BlockMeans::of_seeds(&renders(16, 700, 0.05, plain));
+            let problems = Comparison::of(&ours, &reference, NONE).problems;
+            assert!(problems.iter().any(|problem| problem.contains(expected)), "{expected}: {problems:?}");
+        }
     }
 
     #[test]

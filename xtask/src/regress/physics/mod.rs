@@ -32,13 +32,13 @@ const SHARED: &str = "../shared/reference/physics/pairs";
 const CONVENTIONS: &str = "tests/physics/conventions.json";
 
 /// Work per pair without `--full`.
-const REDUCED: Effort = Effort::Reduced { seeds: 8, divisor: 4, min_samples: 16 };
+const REDUCED: Effort = Effort { max_seeds: 8, divisor: 4, min_samples: 16 };
 /// Work that a pair outside of the project starts with. If it fails, it is compared again with [`REDUCED`]: means of few
 /// samples may be skewed.
-const FIRST: Effort = Effort::Reduced { seeds: 8, divisor: 16, min_samples: 4 };
+const FIRST: Effort = Effort { max_seeds: 8, divisor: 16, min_samples: 4 };
 
 /// One unit per pair, and one that plants faults. Pairs of the project take precedence over others of the same name.
-pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Box<dyn Unit>>, TaskError> {
+pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Unit>, TaskError> {
     let shared = more.map_or_else(|| workspace.root.join(SHARED), Path::to_path_buf);
     if more.is_some() && !shared.is_dir() {
         return Err(TaskError::Other(format!("{}: the folder of pairs does not exist", shared.display())));
@@ -47,13 +47,20 @@ pub(super) fn units(workspace: &Workspace, more: Option<&Path>) -> Result<Vec<Bo
     for (parent, is_own) in [(shared.clone(), false), (workspace.root.join(OWN), true)] {
         for folder in folders(&parent)? {
             let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            pairs.insert(name.clone(), PairUnit { name, folder, is_own });
+            pairs.insert(name.clone(), PairFolder { name, folder, is_own });
         }
     }
-    let mut units: Vec<Box<dyn Unit>> = vec![Box::new(PlantedFault)];
-    units.extend(pairs.into_values().map(|pair| Box::new(pair) as Box<dyn Unit>));
+    let mut units = vec![Unit::new("physics/planted-fault", planted_fault)];
+    units.extend(pairs.into_values().map(|pair| {
+        Unit::new(format!("physics/{}", pair.name), move |context, folder, findings| {
+            pair.run(context, folder, findings)
+        })
+    }));
     if !shared.is_dir() {
-        units.push(Box::new(NoSharedPairs));
+        units.push(Unit::new("physics/beside-the-project", |_, _, findings| {
+            findings.note(format!("skipped: {SHARED} is not here"));
+            Ok(())
+        }));
     }
     Ok(units)
 }
@@ -71,7 +78,7 @@ pub(super) fn finish(
 }
 
 fn effort(full: bool) -> Effort {
-    if full { Effort::Full } else { REDUCED }
+    if full { Effort::FULL } else { REDUCED }
 }
 
 /// Folders of pairs in `parent`, which may be missing.
@@ -83,21 +90,17 @@ fn folders(parent: &Path) -> Result<Vec<PathBuf>, TaskError> {
     Ok(entries.into_iter().filter(|folder| folder.join("pair.json").is_file()).collect())
 }
 
-struct PairUnit {
+struct PairFolder {
     name: String,
     folder: PathBuf,
     is_own: bool,
 }
 
-impl Unit for PairUnit {
-    fn name(&self) -> String {
-        format!("physics/{}", self.name)
-    }
-
+impl PairFolder {
     fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
         let pair = Pair::load(&self.folder)?;
         let efforts: &[Effort] = match (context.full, self.is_own) {
-            (true, _) => &[Effort::Full],
+            (true, _) => &[Effort::FULL],
             (false, true) => &[REDUCED],
             (false, false) => &[FIRST, REDUCED],
         };
@@ -110,9 +113,7 @@ impl Unit for PairUnit {
         }
         Ok(())
     }
-}
 
-impl PairUnit {
     fn compare(
         &self,
         context: &Context,
@@ -161,47 +162,26 @@ fn classify(expect: Expect, differences: &[String], recorded: Option<&Convention
     }
 }
 
-struct NoSharedPairs;
-
-impl Unit for NoSharedPairs {
-    fn name(&self) -> String {
-        "physics/beside-the-project".to_owned()
-    }
-
-    fn run(&self, _: &Context, _: &Path, findings: &mut Findings) -> Result<(), TaskError> {
-        findings.note(format!("skipped: {SHARED} is not here"));
-        Ok(())
-    }
-}
-
-/// Compares with references that are off by a hundredth.
-struct PlantedFault;
-
 /// One pair of each kind.
 const SOUND: [&str; 3] = ["sky-gold-r0.3", "depth-1", "drawn-or-found-glossy"];
 const FAULT: f64 = 1.01;
 
-impl Unit for PlantedFault {
-    fn name(&self) -> String {
-        "physics/planted-fault".to_owned()
-    }
-
-    fn run(&self, context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
-        for name in SOUND {
-            let pair_folder = context.workspace.root.join(OWN).join(name);
-            let pair = Pair::load(&pair_folder)?;
-            let effort = effort(context.full);
-            let (ours, reference) = both(context, folder, &pair_folder, (&pair, effort))?;
-            for (factor, is_sound) in [(1.0, true), (FAULT, false), (1.0 / FAULT, false)] {
-                let problems = Comparison::of(&ours, &reference.scaled([factor; 3]), pair.tolerance()).problems;
-                if problems.is_empty() != is_sound {
-                    let verdict = if is_sound { "refused" } else { "accepted" };
-                    findings.problem(format!("{name}: a reference times {factor:.4} is {verdict}"));
-                }
+/// Compares with references that are off by a hundredth.
+fn planted_fault(context: &Context, folder: &Path, findings: &mut Findings) -> Result<(), TaskError> {
+    for name in SOUND {
+        let pair_folder = context.workspace.root.join(OWN).join(name);
+        let pair = Pair::load(&pair_folder)?;
+        let effort = effort(context.full);
+        let (ours, reference) = both(context, folder, &pair_folder, (&pair, effort))?;
+        for (factor, is_sound) in [(1.0, true), (FAULT, false), (1.0 / FAULT, false)] {
+            let problems = Comparison::of(&ours, &reference.scaled([factor; 3]), pair.tolerance()).problems;
+            if problems.is_empty() != is_sound {
+                let verdict = if is_sound { "refused" } else { "accepted" };
+                findings.problem(format!("{name}: a reference times {factor:.4} is {verdict}"));
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// Recorded difference of a pair that differs by convention.
@@ -330,7 +310,7 @@ mod tests {
         for folder in folders {
             let pair = Pair::load(&folder).unwrap_or_else(|error| panic!("{error}"));
             let name = folder.file_name().unwrap().to_string_lossy().into_owned();
-            assert!(pair.series(&folder, Effort::Full).scene.is_file(), "{name}: no scene");
+            assert!(pair.series(&folder, Effort::FULL).scene.is_file(), "{name}: no scene");
             if !pair.is_of_ours_alone() {
                 let (reference, _) = BlockMeans::load(&folder).unwrap_or_else(|error| panic!("{error}"));
                 assert!(reference.image.iter().all(|channel| channel.mean.is_finite()), "{name}");

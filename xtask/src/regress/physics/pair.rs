@@ -27,7 +27,7 @@ pub(super) struct Pair {
     args: Vec<String>,
     /// Samples per pixel; those of the scene if missing.
     spp: Option<u32>,
-    /// Samples per pixel for [`Effort::Reduced`], for pairs that notice a fault of 1 % with few.
+    /// Samples per pixel for reduced [`Effort`], for pairs that notice a fault of 1 % with few.
     reduced_spp: Option<u32>,
     /// Independent renders.
     seeds: u32,
@@ -98,23 +98,22 @@ pub(super) struct Series {
     pub seeds: u32,
 }
 
-/// Amount of work per pair.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Effort {
-    /// Seeds and samples of `pair.json`.
-    Full,
-    /// At most so many seeds, and samples per pixel divided by this number. At least `min_samples` are left, unless the pair
-    /// has fewer itself.
-    Reduced { seeds: u32, divisor: u32, min_samples: u32 },
+/// Amount of work per pair: at most so many seeds, and samples per pixel divided by this number. At least `min_samples` are left,
+/// unless the pair has fewer itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Effort {
+    pub max_seeds: u32,
+    pub divisor: u32,
+    pub min_samples: u32,
 }
 
 impl std::fmt::Display for Effort {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Full => write!(f, "all seeds and samples"),
-            Self::Reduced { seeds, divisor, .. } => {
-                write!(f, "{seeds} seeds and 1/{divisor} of the samples per pixel or fewer")
-            }
+        let Self { max_seeds, divisor, .. } = self;
+        if *self == Self::FULL {
+            write!(f, "all seeds and samples")
+        } else {
+            write!(f, "{max_seeds} seeds and 1/{divisor} of the samples per pixel or fewer")
         }
     }
 }
@@ -158,20 +157,16 @@ impl Pair {
 }
 
 impl Effort {
+    /// Seeds and samples of `pair.json`.
+    pub(super) const FULL: Self = Self { max_seeds: u32::MAX, divisor: 1, min_samples: 0 };
+
     fn seeds(self, seeds: u32) -> u32 {
-        match self {
-            Self::Full => seeds,
-            Self::Reduced { seeds: most, .. } => seeds.min(most),
-        }
+        seeds.min(self.max_seeds)
     }
 
     fn samples(self, spp: Option<u32>, reduced: Option<u32>) -> Option<u32> {
-        match self {
-            Self::Full => spp,
-            Self::Reduced { divisor, min_samples, .. } => {
-                reduced.or_else(|| spp.map(|spp| (spp / divisor).max(spp.min(min_samples))))
-            }
-        }
+        let reduced = reduced.filter(|_| self != Self::FULL);
+        reduced.or_else(|| spp.map(|spp| (spp / self.divisor).max(spp.min(self.min_samples))))
     }
 }
 
@@ -292,7 +287,7 @@ mod tests {
     fn missing_keys_have_the_usual_values() {
         let pair = pair(r#"{"scene": "a.gltf", "spp": 64, "seeds": 16, "block": 8, "kind": "numeric"}"#);
         assert_eq!((pair.tol, pair.atol, pair.expect), (2e-5, 0.0, Expect::Agree));
-        let series = pair.series(Path::new("folder"), Effort::Full);
+        let series = pair.series(Path::new("folder"), Effort::FULL);
         let scene = Path::new("folder").join("a.gltf");
         assert_eq!(series, Series { scene, args: Vec::new(), spp: Some(64), first_seed: 1, seeds: 16 });
     }
@@ -306,11 +301,11 @@ mod tests {
         );
         assert!(pair.is_of_ours_alone());
         assert_eq!(pair.expect, Expect::Known);
-        let reference = pair.reference_series(Path::new("f"), Effort::Full);
+        let reference = pair.reference_series(Path::new("f"), Effort::FULL);
         assert_eq!((reference.spp, reference.seeds, reference.first_seed), (Some(256), 4, 5001));
         assert_eq!((reference.args.join(" "), reference.scene), ("--integrator path".into(), "f/other.ron".into()));
         let unstated = Pair { ref_args: None, ref_scene: None, ref_seeds: None, ref_spp: None, ..pair };
-        let reference = unstated.reference_series(Path::new("f"), Effort::Full);
+        let reference = unstated.reference_series(Path::new("f"), Effort::FULL);
         assert_eq!((reference.spp, reference.seeds, reference.args.join(" ")), (Some(64), 16, "--crop 0,0,8,8".into()));
     }
 
@@ -322,11 +317,11 @@ mod tests {
 
     #[test]
     fn reduced_effort_keeps_some_samples() {
-        let effort = Effort::Reduced { seeds: 8, divisor: 4, min_samples: 16 };
+        let effort = Effort { max_seeds: 8, divisor: 4, min_samples: 16 };
         assert_eq!([16, 8, 4].map(|seeds| effort.seeds(seeds)), [8, 8, 4]);
         let samples = [256, 64, 32, 4].map(|spp| effort.samples(Some(spp), None));
         assert_eq!(samples, [Some(64), Some(16), Some(16), Some(4)]);
-        assert_eq!((effort.samples(Some(64), Some(4)), Effort::Full.samples(Some(64), Some(4))), (Some(4), Some(64)));
+        assert_eq!((effort.samples(Some(64), Some(4)), Effort::FULL.samples(Some(64), Some(4))), (Some(4), Some(64)));
     }
 
     #[test]

@@ -166,7 +166,7 @@ mod tests {
         let mut failing = row("c", false, [1.0; 3]);
         failing.verdict = "FAILS";
         let rows = [row("a", true, [1.0; 3]), failing];
-        let text = summary(&rows.iter().collect::<Vec<_>>(), Effort::Full);
+        let text = summary(&rows.iter().collect::<Vec<_>>(), Effort::FULL);
         assert_eq!(text, "2 pairs, 1 of them in tests/physics/pairs, with all seeds and samples: 1 agree, 1 fail.");
     }
 }
