@@ -1,7 +1,5 @@
 //! View frusta.
 
-use core::fmt;
-
 use glam::DVec3;
 use rt_math::{
     Aabb,
@@ -19,10 +17,11 @@ pub struct Frustum {
 }
 
 /// Error of [`Frustum::from_corners`]: corners that do not define a frustum.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrustumError {
     /// A corner is not finite.
+    #[error("corner {corner} at {position} is not finite")]
     Corner {
         /// Index of the corner.
         corner: usize,
@@ -30,25 +29,15 @@ pub enum FrustumError {
         position: DVec3,
     },
     /// The corners do not enclose a volume: some lie on the wrong side of a face.
+    #[error("the corners do not lie on one side of the {} face", FACE_NAMES[*face % 6])]
     NotConvex {
         /// Index of the face, in the order left, right, bottom, top, near, far.
         face: usize,
     },
 }
 
-impl fmt::Display for FrustumError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Corner { corner, position } => write!(f, "corner {corner} at {position} is not finite"),
-            Self::NotConvex { face } => {
-                let name = ["left", "right", "bottom", "top", "near", "far"][*face % 6];
-                write!(f, "the corners do not lie on one side of the {name} face")
-            }
-        }
-    }
-}
-
-impl core::error::Error for FrustumError {}
+/// Names of the faces.
+const FACE_NAMES: [&str; 6] = ["left", "right", "bottom", "top", "near", "far"];
 
 /// Three corners of each face, left, right, bottom, top, near, far, in an order that makes normals point inward.
 const FACES: [[usize; 3]; 6] = [[0, 2, 4], [1, 5, 3], [0, 4, 1], [2, 3, 6], [0, 1, 2], [4, 6, 5]];

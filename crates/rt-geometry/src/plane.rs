@@ -134,9 +134,6 @@ mod tests {
             assert!(hit(floor, [0.0, 1.0, 0.0], [1.0, zero, 0.0]).is_none());
             assert!(hit(floor, [0.0, 0.0, 0.0], [1.0, zero, 0.0]).is_none(), "within the plane");
         }
-        assert!(hit(floor, [0.0, 1.0, 0.0], [0.0; 3]).is_none());
-        assert!(hit(floor, [0.0, 1.0, f64::NAN], [0.0, -1.0, 0.0]).is_none());
-        assert!(hit(floor, [0.0, 1.0, 0.0], [f64::NAN, -1.0, 0.0]).is_none());
         assert!(hit(floor, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]).is_none(), "behind");
         assert!(hit(floor, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]).is_some(), "from below");
     }
@@ -149,11 +146,6 @@ mod tests {
         assert_eq!(surface.point, DVec3::new(13.0, 2.0, 15.0));
         let wall = plane([0.0; 3], [0.0, 0.0, 1.0]);
         assert_eq!(hit(wall, [3.0, 4.0, 5.0], [0.0, 0.0, -1.0]).map(|(_, s)| s.uv), Some([3.0, 4.0]));
-    }
-
-    #[test]
-    fn a_plane_without_a_normal_is_refused() {
-        assert_eq!(Plane::new(DVec3::ONE, DVec3::ZERO), Err(ShapeError::ZeroNormal));
     }
 
     proptest! {

@@ -109,7 +109,7 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::InsideRule;
+    use crate::{InsideRule, ShapeError};
     use proptest::prelude::*;
     use rt_math::DVec3;
 
@@ -167,6 +167,91 @@ mod tests {
                 let short = shape.intersect(&ray, Interval::new(min, max));
                 prop_assert_eq!(short, long.filter(|hit| hit.t <= max), "{:?}", shape);
             }
+        }
+    }
+
+    #[test]
+    fn rays_with_a_nan_or_without_a_direction_miss() {
+        let places = [[0.0; 3], [0.5; 3], [0.25, 0.25, 3.0], [0.1, 0.1, 1.0], [0.0, 1.0, 0.0], [2.0, -1.5, 2.0]];
+        let pairs = places.iter().flat_map(|from| places.map(|to| (DVec3::from(*from), DVec3::from(to))));
+        for ((origin, to), shape) in pairs.flat_map(|pair| shapes().into_iter().map(move |shape| (pair, shape))) {
+            let misses = |origin: DVec3, direction: DVec3| {
+                assert_eq!(
+                    shape.intersect(&Ray::new(origin, direction), Interval::FORWARD),
+                    None,
+                    "{shape:?} {origin}"
+                );
+            };
+            misses(origin, DVec3::ZERO);
+            misses(origin, DVec3::new(0.0, -0.0, 0.0));
+            for axis in 0..3 {
+                let broken = |mut vector: DVec3| {
+                    vector[axis] = f64::NAN;
+                    vector
+                };
+                misses(broken(origin), to - origin);
+                misses(origin, broken(to - origin));
+            }
+        }
+    }
+
+    #[test]
+    fn bad_numbers_are_refused() {
+        use ShapeError::{
+            BadCoordinate, BadInnerRadius, BadLength, BadRadius, ClosedHole, InvertedBox, NoArea, NoHeight,
+        };
+        let (nan, infinite) = (f64::NAN, f64::INFINITY);
+        let line = [DVec3::ZERO, DVec3::ONE, DVec3::ONE * 3.0];
+        let sphere = |centre: f64, radius| Sphere::new(DVec3::splat(centre), radius).err();
+        let cylinder = |radius, bottom, top| CappedQuadric::cylinder(radius, bottom, top, true).err();
+        let cone = |radius, height| CappedQuadric::cone(radius, height, true).err();
+        let frustum = |bottom, top, height| CappedQuadric::frustum(bottom, top, height, true).err();
+        let infinite_cylinder = |radius| InfiniteQuadric::cylinder(radius).err();
+        let double_cone = |slope| InfiniteQuadric::double_cone(slope).err();
+        let disk = |radius, inner| Disk::new(radius, inner).err();
+        let rectangle = |width, depth| Rectangle::new(width, depth).err();
+        let torus = |radius, tube_radius| Torus::new(radius, tube_radius).err();
+        let inverted = Cuboid::new(DVec3::new(0.0, 2.0, 0.0), DVec3::ONE).err();
+        let cases = [
+            ("sphere, negative", sphere(0.0, -1.0), BadRadius(-1.0)),
+            ("sphere, zero", sphere(0.0, 0.0), BadRadius(0.0)),
+            ("sphere, NaN", sphere(0.0, nan), BadRadius(nan)),
+            ("sphere, far", sphere(1e61, 1.0), BadCoordinate(1e61)),
+            ("box", inverted, InvertedBox { axis: 1, min: 2.0, max: 1.0 }),
+            ("plane", Plane::new(DVec3::ONE, DVec3::ZERO).err(), ShapeError::ZeroNormal),
+            ("triangle, flat", Triangle::new(line).err(), NoArea(line)),
+            ("triangle, NaN", Triangle::new([DVec3::NAN; 3]).err(), BadCoordinate(nan)),
+            ("cylinder, radius", cylinder(0.0, 0.0, 1.0), BadRadius(0.0)),
+            ("cylinder, height", cylinder(1.0, 1.0, 1.0), NoHeight { bottom: 1.0, top: 1.0 }),
+            ("cylinder, NaN radius", cylinder(nan, 0.0, 1.0), BadRadius(nan)),
+            ("cylinder, NaN bottom", cylinder(1.0, nan, 1.0), BadCoordinate(nan)),
+            ("cylinder, infinite top", cylinder(1.0, 0.0, infinite), BadCoordinate(infinite)),
+            ("cone, radius", cone(0.0, 1.0), BadRadius(0.0)),
+            ("cone, height", cone(1.0, -1.0), BadLength("height", -1.0)),
+            ("cone, NaN height", cone(1.0, nan), BadLength("height", nan)),
+            ("frustum, bottom", frustum(0.0, 1.0, 1.0), BadRadius(0.0)),
+            ("frustum, top", frustum(1.0, -1.0, 1.0), BadRadius(-1.0)),
+            ("frustum, height", frustum(1.0, 1.0, 0.0), BadLength("height", 0.0)),
+            ("frustum, NaN top", frustum(1.0, nan, 1.0), BadRadius(nan)),
+            ("infinite cylinder", infinite_cylinder(-2.0), BadRadius(-2.0)),
+            ("infinite cylinder, NaN", infinite_cylinder(nan), BadRadius(nan)),
+            ("double cone", double_cone(0.0), BadLength("slope", 0.0)),
+            ("double cone, infinite", double_cone(infinite), BadLength("slope", infinite)),
+            ("disk, radius", disk(0.0, 0.0), BadRadius(0.0)),
+            ("disk, hole", disk(1.0, 1.0), BadInnerRadius { inner: 1.0, outer: 1.0 }),
+            ("disk, negative hole", disk(1.0, -0.5), BadInnerRadius { inner: -0.5, outer: 1.0 }),
+            ("disk, NaN hole", disk(1.0, nan), BadCoordinate(nan)),
+            ("rectangle, width", rectangle(0.0, 1.0), BadLength("width", 0.0)),
+            ("rectangle, depth", rectangle(1.0, -1.0), BadLength("depth", -1.0)),
+            ("rectangle, infinite", rectangle(infinite, 1.0), BadLength("width", infinite)),
+            ("torus, radius", torus(0.0, 0.0), BadRadius(0.0)),
+            ("torus, tube", torus(1.0, -0.5), BadRadius(-0.5)),
+            ("torus, hole", torus(1.0, 1.0), ClosedHole { radius: 1.0, tube_radius: 1.0 }),
+            ("torus, NaN", torus(1.0, nan), BadRadius(nan)),
+        ];
+        // As text, in which NaN equals itself.
+        for (name, error, expected) in cases {
+            assert_eq!(format!("{error:?}"), format!("{:?}", Some(expected)), "{name}");
         }
     }
 

@@ -334,14 +334,6 @@ mod tests {
         assert!((top[0] - 0.75).abs() < 1e-15 && (top[1] - 0.75).abs() < 1e-15, "{top:?}");
     }
 
-    #[test]
-    fn bad_tori_are_refused() {
-        assert_eq!(Torus::new(0.0, 0.0), Err(ShapeError::BadRadius(0.0)));
-        assert_eq!(Torus::new(1.0, -0.5), Err(ShapeError::BadRadius(-0.5)));
-        assert_eq!(Torus::new(1.0, 1.0), Err(ShapeError::ClosedHole { radius: 1.0, tube_radius: 1.0 }));
-        assert!(Torus::new(1.0, f64::NAN).is_err());
-    }
-
     proptest! {
         #[test]
         fn hits_lie_on_the_torus(

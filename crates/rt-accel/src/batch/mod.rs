@@ -2,18 +2,17 @@
 
 mod vectors;
 
-use core::fmt;
-
 use rt_geometry::Hit;
 use rt_math::{Interval, Ray};
 
 pub use vectors::{Scalars, Vectors};
 
 /// Error of batches: arrays that do not form one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BatchError {
     /// Two arrays describe different numbers of rays.
+    #[error("there are {found} {what} for {expected} rays")]
     Length {
         /// Content of the array.
         what: &'static str,
@@ -23,15 +22,6 @@ pub enum BatchError {
         expected: usize,
     },
 }
-
-impl fmt::Display for BatchError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::Length { what, found, expected } = self;
-        write!(f, "there are {found} {what} for {expected} rays")
-    }
-}
-
-impl core::error::Error for BatchError {}
 
 /// Rays as a structure of arrays.
 ///

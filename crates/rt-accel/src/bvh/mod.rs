@@ -221,15 +221,4 @@ mod tests {
         all.sort_unstable();
         assert_eq!(all, (0..5000).collect::<Vec<_>>());
     }
-
-    #[cfg(feature = "parallel")]
-    #[test]
-    fn the_tree_is_independent_of_the_number_of_threads() {
-        let on = |n_threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool");
-            pool.install(|| build(&mut items(50_000), SplitMethod::SurfaceArea))
-        };
-        let serial = on(1);
-        assert_eq!(on(7), serial);
-    }
 }

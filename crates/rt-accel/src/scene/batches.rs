@@ -100,7 +100,7 @@ impl Scene<'_> {
     ///
     /// [`BatchError::Length`] if `occluded` does not hold one entry for each ray.
     pub fn occluded_batch(&self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> Result<(), BatchError> {
-        check_occluded(rays, occluded)?;
+        check_length("truth values", occluded.len(), rays)?;
         self.occluded_range(rays, 0..rays.len(), occluded);
         Ok(())
     }
@@ -116,7 +116,7 @@ impl Scene<'_> {
     ///
     /// [`BatchError::Length`] if `counts` does not hold one entry for each ray.
     pub fn count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
-        check_counts(rays, counts)?;
+        check_length("counts", counts.len(), rays)?;
         self.count_range(rays, 0, counts);
         Ok(())
     }
@@ -159,14 +159,6 @@ impl Scene<'_> {
     }
 }
 
-fn check_occluded(rays: &RayBatch<'_>, occluded: &[bool]) -> Result<(), BatchError> {
-    check_length("truth values", occluded.len(), rays)
-}
-
-fn check_counts(rays: &RayBatch<'_>, counts: &[u32]) -> Result<(), BatchError> {
-    check_length("counts", counts.len(), rays)
-}
-
 const fn check_length(what: &'static str, found: usize, rays: &RayBatch<'_>) -> Result<(), BatchError> {
     if found == rays.len() { Ok(()) } else { Err(BatchError::Length { what, found, expected: rays.len() }) }
 }
@@ -201,7 +193,7 @@ impl Scene<'_> {
     ///
     /// Those of [`occluded_batch`](Self::occluded_batch).
     pub fn par_occluded_batch(&self, rays: &RayBatch<'_>, occluded: &mut [bool]) -> Result<(), BatchError> {
-        check_occluded(rays, occluded)?;
+        check_length("truth values", occluded.len(), rays)?;
         parallel_for_each(occluded.chunks_mut(RAYS_PER_TASK).enumerate().collect(), |(i, occluded)| {
             let first = i * RAYS_PER_TASK;
             self.occluded_range(rays, first..first + occluded.len(), occluded);
@@ -222,7 +214,7 @@ impl Scene<'_> {
     ///
     /// Those of [`count_hits_batch`](Self::count_hits_batch).
     pub fn par_count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
-        check_counts(rays, counts)?;
+        check_length("counts", counts.len(), rays)?;
         let tasks = counts.chunks_mut(CHUNK).enumerate().collect();
         parallel_for_each(tasks, |(i, counts)| self.count_range(rays, i * CHUNK, counts));
         Ok(())

@@ -6,43 +6,20 @@ use rt_accel::{
     BuildParams, DVec3, GeometryId, Hit, Interval, MeshError, PointHit, Ray, Scene, SceneBuilder, SceneError, Sphere,
     Spheres, Transform, TriangleMesh,
 };
-use rt_math::random::{hash, unit};
+use rt_tests::Draw;
 
-/// Random numbers of a seed.
-struct Draw {
-    seed: u64,
-    count: u64,
+/// Multiples of 1/4, so that surfaces coincide and rays meet edges.
+fn point(draw: &mut Draw) -> DVec3 {
+    DVec3::from([(); 3].map(|()| draw.below(33) as f64 * 0.25 - 4.0))
 }
 
-impl Draw {
-    /// In [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.count += 1;
-        unit(hash(&[self.seed, self.count]))
-    }
+fn transform(draw: &mut Draw) -> Transform {
+    let scale = Transform::scale(DVec3::splat(draw.pick(&[0.5, 1.0, -1.0, 2.0]))).expect("a scale");
+    Transform::translate(point(draw)).compose(&scale)
+}
 
-    fn below(&mut self, n: usize) -> usize {
-        ((self.unit() * n as f64) as usize).min(n - 1)
-    }
-
-    /// Multiples of 1/4, so that surfaces coincide and rays meet edges.
-    fn coordinate(&mut self) -> f64 {
-        (self.unit() * 33.0).floor() * 0.25 - 4.0
-    }
-
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.coordinate(), self.coordinate(), self.coordinate())
-    }
-
-    fn transform(&mut self) -> Transform {
-        let size = [0.5, 1.0, -1.0, 2.0][self.below(4)];
-        let scale = Transform::scale(DVec3::splat(size)).expect("a scale");
-        Transform::translate(self.point()).compose(&scale)
-    }
-
-    fn vertices(&mut self) -> Vec<[f64; 3]> {
-        (0..8).map(|_| (0.25 * self.point()).to_array()).collect()
-    }
+fn vertices(draw: &mut Draw) -> Vec<[f64; 3]> {
+    (0..8).map(|_| (0.25 * point(draw)).to_array()).collect()
 }
 
 const TRIANGLES: [[u32; 3]; 5] = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [0, 4, 7]];
@@ -86,7 +63,7 @@ fn change(draw: &mut Draw, builder: &mut SceneBuilder<'static>, ids: &mut Vec<Ge
     let instances: Vec<u32> = content.instances.keys().copied().collect();
     match draw.below(8) {
         0 | 1 if geometries.len() < 6 => {
-            let vertices = (draw.below(3) > 0).then(|| draw.vertices());
+            let vertices = (draw.below(3) > 0).then(|| vertices(draw));
             let id = match &vertices {
                 Some(vertices) => builder.add(TriangleMesh::new(vertices.clone(), TRIANGLES.to_vec()).expect("a mesh")),
                 None => builder.add(spheres()),
@@ -100,7 +77,7 @@ fn change(draw: &mut Draw, builder: &mut SceneBuilder<'static>, ids: &mut Vec<Ge
             }
         }
         0..=3 if !geometries.is_empty() => {
-            let (geometry, transform) = (geometries[draw.below(geometries.len())], draw.transform());
+            let (geometry, transform) = (geometries[draw.below(geometries.len())], transform(draw));
             let instance = builder.place_at(ids[geometry], &transform).expect("an instance");
             let lowest_free = (0..).find(|id| !content.instances.contains_key(id));
             assert_eq!(Some(instance), lowest_free);
@@ -113,12 +90,12 @@ fn change(draw: &mut Draw, builder: &mut SceneBuilder<'static>, ids: &mut Vec<Ge
             assert_eq!(builder.remove(instance), Err(SceneError::UnknownInstance { instance }));
         }
         5 if !instances.is_empty() => {
-            let (instance, transform) = (instances[draw.below(instances.len())], draw.transform());
+            let (instance, transform) = (instances[draw.below(instances.len())], transform(draw));
             builder.set_transform(instance, &transform).expect("an instance");
             content.instances.entry(instance).and_modify(|placed| placed.1 = transform);
         }
         6 if !geometries.is_empty() => {
-            let (geometry, vertices) = (geometries[draw.below(geometries.len())], draw.vertices());
+            let (geometry, vertices) = (geometries[draw.below(geometries.len())], vertices(draw));
             let result = builder.set_vertices(ids[geometry], vertices.clone());
             match content.geometries.get_mut(&geometry) {
                 Some(Some(of_mesh)) => {
@@ -148,7 +125,7 @@ fn change(draw: &mut Draw, builder: &mut SceneBuilder<'static>, ids: &mut Vec<Ge
 fn changed_scenes_equal_scenes_that_are_built_afresh() {
     let mut found = 0;
     for seed in 0..6 {
-        let mut draw = Draw { seed, count: 0 };
+        let mut draw = Draw::new(seed);
         let mut scene = SceneBuilder::new(BuildParams::BALANCED).build().expect("a scene");
         let (mut ids, mut content) = (Vec::new(), Content::default());
         for step in 0..60 {
@@ -162,7 +139,7 @@ fn changed_scenes_equal_scenes_that_are_built_afresh() {
             let renumbered = |hit: Hit| Hit { instance: numbers[hit.instance as usize], ..hit };
             let (mut all, mut expected) = (Vec::new(), Vec::new());
             for _ in 0..40 {
-                let (origin, target) = (draw.point(), draw.point());
+                let (origin, target) = (point(&mut draw), point(&mut draw));
                 let ray = Ray::new(origin, target - origin);
                 let closest = fresh.closest(&ray, Interval::FORWARD).map(renumbered);
                 assert_eq!(scene.closest(&ray, Interval::FORWARD), closest, "seed {seed}, step {step}: {ray:?}");

@@ -141,25 +141,6 @@ fn known_values_of_a_frustum() {
     assert_eq!(first(funnel, [1.5, -3.0, 0.0], [0.0, 1.0, 0.0]).map(|(t, _)| t), Some(3.5), "under the brim");
 }
 
-#[test]
-fn bad_numbers_are_refused() {
-    let cylinder = |radius, bottom, top| CappedQuadric::cylinder(radius, bottom, top, CLOSED).expect_err("bad");
-    assert_eq!(cylinder(0.0, 0.0, 1.0), ShapeError::BadRadius(0.0));
-    assert_eq!(cylinder(1.0, 1.0, 1.0), ShapeError::NoHeight { bottom: 1.0, top: 1.0 });
-    assert!(matches!(cylinder(f64::NAN, 0.0, 1.0), ShapeError::BadRadius(_)));
-    assert!(matches!(cylinder(1.0, f64::NAN, 1.0), ShapeError::BadCoordinate(_)));
-    assert_eq!(cylinder(1.0, 0.0, f64::INFINITY), ShapeError::BadCoordinate(f64::INFINITY));
-    let cone = |radius, height| CappedQuadric::cone(radius, height, CLOSED).expect_err("bad");
-    assert_eq!(cone(0.0, 1.0), ShapeError::BadRadius(0.0));
-    assert_eq!(cone(1.0, -1.0), ShapeError::BadLength("height", -1.0));
-    assert!(matches!(cone(1.0, f64::NAN), ShapeError::BadLength("height", _)));
-    let frustum = |bottom, top, height| CappedQuadric::frustum(bottom, top, height, CLOSED).expect_err("bad");
-    assert_eq!(frustum(0.0, 1.0, 1.0), ShapeError::BadRadius(0.0));
-    assert_eq!(frustum(1.0, -1.0, 1.0), ShapeError::BadRadius(-1.0));
-    assert_eq!(frustum(1.0, 1.0, 0.0), ShapeError::BadLength("height", 0.0));
-    assert!(matches!(frustum(1.0, f64::NAN, 1.0), ShapeError::BadRadius(_)));
-}
-
 /// Rays through the rim into the solid, and rays from inside to the rim. Rounding must not let them pass between
 /// the side and a cap.
 #[test]
