@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use rt_geometry::MeshData;
     use rt_math::Vec3;
-    use rt_shading::{Phong, TextureId};
+    use rt_shading::Phong;
 
     /// Two triangles of the unit square in z = 0, facing +z.
     fn square() -> TriangleMesh {
@@ -110,29 +110,5 @@ mod tests {
         assert_eq!(hits(&front_only, &[], &Ray::new(point, DVec3::NEG_Z)), 1);
         assert_eq!(hits(&front_only, &[], &Ray::new(-point + point.with_z(0.0) * 2.0, DVec3::Z)), 0);
         assert!(alpha_test(Alpha::OPAQUE).is_none());
-    }
-
-    #[test]
-    fn masks_follow_their_texture() {
-        let bitmap =
-            rt_shading::Bitmap { alpha: vec![1.0, 0.0], ..rt_shading::Bitmap::opaque(2, 1, vec![[1.0; 3]; 2]) };
-        let wrap = [rt_shading::Wrap::Clamp; 2];
-        let image = Texture::Image { bitmap: std::sync::Arc::new(bitmap), wrap, smooth: false };
-        let mask = Alpha { mode: AlphaMode::Mask(0.5), texture: Some(TextureId(0)), ..Alpha::OPAQUE };
-        let mask = alpha_test(mask).expect("a mask");
-        let at = |x: f64| hits(&mask, std::slice::from_ref(&image), &Ray::new(DVec3::new(x, 0.2, 1.0), DVec3::NEG_Z));
-        assert_eq!([at(0.3), at(0.7)], [1, 0]);
-    }
-
-    #[test]
-    fn blended_surfaces_block_the_share_of_rays_given_by_alpha() {
-        let blend = alpha_test(Alpha { mode: AlphaMode::Blend, factor: 0.3, ..Alpha::OPAQUE }).expect("a blend");
-        let ray = |i: u32| {
-            let at = |k: u32| random::unit(random::hash(&[1, u64::from(i), u64::from(k)]));
-            Ray::new(DVec3::new(at(0), at(1), 1.0), DVec3::NEG_Z)
-        };
-        let occluded: usize = (0..10_000).map(|i| hits(&blend, &[], &ray(i))).sum();
-        // 5 standard deviations of 46.
-        assert!(occluded.abs_diff(3000) < 230, "{occluded} of 10,000");
     }
 }

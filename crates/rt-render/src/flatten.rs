@@ -21,10 +21,6 @@ use crate::{
 /// Deepest accepted nesting of nodes and groups together.
 const MAX_DEPTH: usize = 1024;
 
-/// Maximum number of instances of an aggregate: some gigabytes. Nested groups multiply, so that a few lines of a file can
-/// exceed any memory.
-const MAX_INSTANCES: u64 = 1 << 24;
-
 /// Maximum number of triangles of an inlined mesh. The triangles of an untransformed small mesh join the level above.
 pub(crate) const MAX_INLINED_TRIANGLES: usize = 64;
 
@@ -47,7 +43,6 @@ pub(crate) fn flatten(
         mesh_levels: HashMap::new(),
         group_levels: vec![None; scene.groups.len()],
         group_uses: count_group_uses(scene)?,
-        group_sizes: vec![None; scene.groups.len()],
         levels: BottomLevel { textures: textures(scene), ..BottomLevel::default() },
         next_object: 0,
     };
@@ -146,8 +141,6 @@ struct Flattener<'s> {
     mesh_levels: HashMap<(u32, Option<u32>), u32>,
     group_levels: Vec<Option<u32>>,
     group_uses: Vec<u64>,
-    /// Number of instances of each group with all nested groups dissolved, if known.
-    group_sizes: Vec<Option<u64>>,
     levels: BottomLevel,
     /// Number of the next shape or mesh.
     next_object: u32,
@@ -156,10 +149,6 @@ struct Flattener<'s> {
 impl<'s> Flattener<'s> {
     fn aggregate(&mut self, nodes: &'s [SceneNode], level: Level) -> Result<Aggregate, RenderError> {
         let within_group = level.within_group;
-        let count = self.count_instances(nodes, within_group);
-        if count > MAX_INSTANCES {
-            return Err(RenderError::TooManyParts { count, limit: MAX_INSTANCES });
-        }
         let mut instances = Vec::new();
         self.collect(nodes, level, &mut instances)?;
         if within_group {
@@ -185,47 +174,6 @@ impl<'s> Flattener<'s> {
             RenderError::Build { object, source }
         })?;
         Ok(Aggregate { instances, accelerator, is_flat, has_only_primitives })
-    }
-
-    /// Upper bound on the number of instances of [`collect`](Self::collect).
-    fn count_instances(&mut self, nodes: &'s [SceneNode], within_group: bool) -> u64 {
-        let (mut open, mut count) = (vec![nodes], 0u64);
-        while let Some(nodes) = open.pop() {
-            for node in nodes {
-                open.push(&node.children);
-                let here = match node.content {
-                    None => 0,
-                    Some(Content::Shape(_)) => 1,
-                    // A small mesh may be inlined.
-                    Some(Content::Mesh(id)) => self.scene.meshes.get(id.0 as usize).map_or(1, |named| {
-                        let triangles = named.mesh.data().triangles.len();
-                        if triangles <= MAX_INLINED_TRIANGLES { triangles as u64 } else { 1 }
-                    }),
-                    Some(Content::Instance(id)) => self.count_placed_group(id, within_group),
-                };
-                count = count.saturating_add(here);
-            }
-        }
-        count
-    }
-
-    fn count_placed_group(&mut self, id: GroupId, within_group: bool) -> u64 {
-        let (index, scene) = (id.0 as usize, self.scene);
-        let Some(group) = scene.groups.get(index) else { return 0 };
-        match (within_group, self.group_uses[index]) {
-            (false, 1) => self.count_instances(&group.nodes, false),
-            (false, _) => 1,
-            (true, _) => match self.group_sizes[index] {
-                Some(size) => size,
-                None => {
-                    // Stop at a group that contains itself; `collect` rejects it by the limit of nesting.
-                    self.group_sizes[index] = Some(0);
-                    let size = self.count_instances(&group.nodes, true);
-                    self.group_sizes[index] = Some(size);
-                    size
-                }
-            },
-        }
     }
 
     /// Assigns consecutive indices to the primitives of all instances of a group: one index of a hit identifies both.

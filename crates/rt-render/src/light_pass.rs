@@ -1,12 +1,11 @@
 //! Passes of light tracing: caustics, traced from the lights to the camera.
 
 use rt_camera::{PixelSampler, SampleStream, SamplerKind};
-use rt_geometry::Counters;
 use rt_math::{Sampler, random::hash};
-use rt_shading::{LightTracingIntegrator, LightTracingScene, ShadingCounts};
+use rt_shading::{LightTracingIntegrator, LightTracingScene};
 
 use crate::{
-    RenderPlan,
+    RenderPlan, Statistics,
     frustum_cull::PrimaryTarget,
     passes::pass_seed,
     splats::{Splat, splat},
@@ -30,10 +29,8 @@ pub(crate) struct LightPass {
 /// Result of a chunk of light paths.
 pub(crate) struct LightChunk {
     pub(crate) splats: Vec<Splat>,
-    pub(crate) counters: Counters,
-    pub(crate) shading: ShadingCounts,
-    /// Number of contributions that are NaN, infinite or negative.
-    pub(crate) bad: u64,
+    /// Counts of the paths. Bad samples are contributions that are NaN, infinite or negative.
+    pub(crate) statistics: Statistics,
 }
 
 impl LightPass {
@@ -59,8 +56,7 @@ impl RenderPlan<'_> {
         count: bool,
         tracer: &mut LightTracingIntegrator<SampleStream>,
     ) -> LightChunk {
-        let mut lit =
-            LightChunk { splats: Vec::new(), counters: Counters::default(), shading: ShadingCounts::default(), bad: 0 };
+        let mut lit = LightChunk { splats: Vec::new(), statistics: Statistics::default() };
         let Some(sources) = &self.scene.light_sources else { return lit };
         let (world, accelerator) = (self.scene.world.instances(), &self.scene.world.top.accelerator);
         let mut world = SceneTracer::new(&world, accelerator, PrimaryTarget::All(accelerator), WorkProbe::new(count));
@@ -84,11 +80,11 @@ impl RenderPlan<'_> {
                 let add = |splat| lit.splats.push(splat);
                 splat(self.frame.filter, self.frame.crop, self.frame.sample_offset, raster, light * share, add);
             } else {
-                lit.bad += 1;
+                lit.statistics.bad_samples += 1;
             }
         });
-        lit.counters = world.probe.counters(world.rays);
-        lit.shading = tracer.take_counts();
+        lit.statistics.counters = world.probe.counters(world.rays);
+        lit.statistics.shading = tracer.take_counts();
         lit
     }
 }

@@ -21,6 +21,10 @@ use rt_shading::Texture;
 use crate::{Crop, RenderError, accel_choice::AccelOptions, film::pixel_estimate::PixelEstimate, splats::SplatImage};
 use survey::{LargestItem, Survey};
 
+/// Maximum number of instances of an aggregate: some gigabytes. Nested groups multiply, so that a few lines of a file can
+/// exceed any memory.
+const MAX_INSTANCES: u64 = 1 << 24;
+
 /// Predicted bytes of memory of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryPrediction {
@@ -73,7 +77,7 @@ impl MemoryPrediction {
     /// Prediction for a scene without an image; an error if it exceeds the budget.
     ///
     /// # Errors
-    /// [`RenderError::Memory`], or if the tree is nested too deeply or an index points nowhere.
+    /// [`RenderError::Memory`], [`RenderError::TooManyParts`], or if the tree is nested too deeply or an index points nowhere.
     pub fn of_scene(scene: &Scene, budget: Option<u64>) -> Result<Self, RenderError> {
         let crop = Crop { x: 0, y: 0, width: 0, height: 0 };
         let kept = PerPixel { crop, transparent: false, progressive: false, maps: false, culls: false };
@@ -103,13 +107,14 @@ impl MemoryPrediction {
         Ok((prediction, largest))
     }
 
-    /// Error if the prediction exceeds the budget.
+    /// Error if the prediction exceeds the budget, or an aggregate has too many instances.
     pub(crate) fn check(&self, budget: Option<u64>, largest: LargestItem) -> Result<(), RenderError> {
+        let LargestItem { bytes, what, instances } = largest;
         match budget {
             Some(budget) if self.peak() > budget => {
-                let LargestItem { bytes, what } = largest;
                 Err(MemoryError { predicted: self.peak(), budget, largest: what, most: bytes }.into())
             }
+            _ if instances > MAX_INSTANCES => Err(RenderError::TooManyParts { count: instances, limit: MAX_INSTANCES }),
             _ => Ok(()),
         }
     }

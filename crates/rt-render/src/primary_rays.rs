@@ -181,7 +181,7 @@ fn trace<N: Iterator<Item = u32>>(
             Some(backdrop) if !radiance_sample.hit => radiance_sample.radiance = backdrop,
             _ => {}
         }
-        accumulator.finished.camera_hits += u64::from(radiance_sample.hit);
+        accumulator.finished.statistics.camera_hits += u64::from(radiance_sample.hit);
         accumulator.add(radiance_sample, *weight);
     }
     batch.clear();

@@ -109,7 +109,7 @@ impl Progressive<'_> {
             state.cursor.done_tiles[number] = true;
             let elapsed = *spent + started.elapsed();
             let statistics = &mut state.statistics;
-            statistics.add(&tile);
+            statistics.join(&tile.statistics);
             statistics.saturated_pixels += saturated;
             statistics.render_seconds = elapsed.as_secs_f64();
             let samples = statistics.samples;
@@ -161,7 +161,7 @@ impl Progressive<'_> {
         let mut image = SplatImage::new(plan.frame.crop, plan.frame.filter);
         let mut statistics = state.statistics;
         let outcome = scheduler.trace_light(light, |lit| {
-            statistics.add_light(&lit);
+            statistics.join(&lit.statistics);
             lit.splats.iter().for_each(|splat| image.add(splat));
         });
         if outcome.interrupted {

@@ -141,7 +141,7 @@ impl RenderPlan<'_> {
             }
             shard.tiles.insert(number as u32, FilmTile::new(&tile.pixels, shard.layout, has_errors));
             let statistics = &mut shard.statistics;
-            statistics.add(&tile);
+            statistics.join(&tile.statistics);
             statistics.render_seconds = spent + started.elapsed().as_secs_f64();
             pixels_done += tile.pixels.len() as u64;
             let total_samples = match self.frame.simple_pass_spp {

@@ -102,7 +102,7 @@ impl RenderPlan<'_> {
                         *radiance_sample = reference.li(&mut tracer, &ray, &mut sampler.clone());
                     }
                 });
-                result.shading = reference.counts;
+                result.statistics.shading = reference.counts;
                 result
             }
             IntegratorState::Path(_) => self.sample_tile(job, camera, |rays, samplers, radiances| {
@@ -121,11 +121,12 @@ impl RenderPlan<'_> {
                 }
             }),
         };
-        result.counters = tracer.probe.counters(tracer.rays);
-        result.primary_rays_skipped = tracer.skipped;
+        let statistics = &mut result.statistics;
+        statistics.counters = tracer.probe.counters(tracer.rays);
+        statistics.primary_rays_skipped = tracer.skipped;
         result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
-        result.shading += whitted.take_counts();
-        result.shading += paths.take_counts();
+        result.statistics.shading += whitted.take_counts();
+        result.statistics.shading += paths.take_counts();
         *buffers = tracer.into_buffers();
         result
     }
@@ -172,9 +173,9 @@ impl RenderPlan<'_> {
         for at in pass_spec.pixels_of(job.tile) {
             let (pixel, bad_samples) = simple.as_ref().filter(|_| job.is_simple(at)).unwrap_or(&full);
             result.push(*pixel);
-            result.bad_samples += bad_samples;
+            result.statistics.bad_samples += bad_samples;
         }
-        result.primary_rays_skipped = result.samples;
+        result.statistics.primary_rays_skipped = result.statistics.samples;
         Some(result)
     }
 }

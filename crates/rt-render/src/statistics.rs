@@ -7,8 +7,6 @@ use serde::{Deserialize, Serialize};
 use crate::{
     ContentError,
     content_checks::{MAX_COUNT, MAX_PASSES, MAX_THREADS, check_count, check_number},
-    light_pass::LightChunk,
-    tile_job::TileResult,
 };
 
 /// Counts and times of one render. Counts are deterministic; times are not.
@@ -46,29 +44,12 @@ impl Statistics {
         Self { threads, build_seconds, ..Self::default() }
     }
 
-    pub(crate) fn add(&mut self, tile: &TileResult) {
-        self.samples += tile.samples;
-        self.camera_hits += tile.camera_hits;
-        self.simple_pixels += tile.simple_pixels;
-        self.counters += tile.counters;
-        self.primary_rays_skipped += tile.primary_rays_skipped;
-        self.shading += tile.shading;
-        self.bad_samples += tile.bad_samples;
-    }
-
-    /// Adds the counts of some light paths.
-    pub(crate) fn add_light(&mut self, lit: &LightChunk) {
-        self.counters += lit.counters;
-        self.shading += lit.shading;
-        self.bad_samples += lit.bad;
-    }
-
     /// Statistics of a resumed render.
     pub(crate) const fn continued(self, run: &Self) -> Self {
         Self { threads: run.threads, build_seconds: run.build_seconds, ..self }
     }
 
-    /// Adds the counts and times of another shard of the same image.
+    /// Adds the counts and times of a part of the same image: a tile, light paths, or another shard.
     pub(crate) fn join(&mut self, other: &Self) {
         self.samples += other.samples;
         self.camera_hits += other.camera_hits;

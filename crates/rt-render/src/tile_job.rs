@@ -3,11 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use rt_geometry::Counters;
-use rt_shading::ShadingCounts;
-
 use crate::{
-    Crop,
+    Crop, Statistics,
     film::pixel_estimate::PixelEstimate,
     first_hit_layers::FirstHitLayer,
     passes::{PassSpec, PixelMask},
@@ -60,16 +57,8 @@ pub(crate) struct TileResult {
     pub(crate) tile: Crop,
     /// Accumulators of the sampled pixels, row by row. The film rounds them.
     pub(crate) pixels: Vec<PixelEstimate>,
-    /// Number of samples of all pixels.
-    pub(crate) samples: u64,
-    /// Number of pixels without an edge.
-    pub(crate) simple_pixels: u64,
-    pub(crate) counters: Counters,
-    /// Number of samples that hit a surface.
-    pub(crate) camera_hits: u64,
-    pub(crate) primary_rays_skipped: u64,
-    pub(crate) shading: ShadingCounts,
-    pub(crate) bad_samples: u64,
+    /// Counts of the tile, without times.
+    pub(crate) statistics: Statistics,
     /// Channels of the layers; empty if none are computed with the image.
     pub(crate) layers: Vec<Vec<f32>>,
     /// True if pixels are missing, because of an interrupt.
@@ -81,16 +70,11 @@ impl TileResult {
     pub(crate) fn new(job: &TileJob<'_>) -> Self {
         let tile = job.tile;
         let count = tile.width as usize * tile.height as usize;
+        let simple_pixels = job.simple.map_or(0, |simple| simple.count() as u64);
         Self {
             tile,
             pixels: Vec::with_capacity(count),
-            samples: 0,
-            simple_pixels: job.simple.map_or(0, |simple| simple.count() as u64),
-            counters: Counters::default(),
-            camera_hits: 0,
-            primary_rays_skipped: 0,
-            shading: ShadingCounts::default(),
-            bad_samples: 0,
+            statistics: Statistics { simple_pixels, ..Statistics::default() },
             layers: Vec::new(),
             is_abandoned: false,
         }
@@ -98,7 +82,7 @@ impl TileResult {
 
     /// Appends the next sampled pixel of the tile.
     pub(crate) fn push(&mut self, pixel: PixelEstimate) {
-        self.samples += u64::from(pixel.samples());
+        self.statistics.samples += u64::from(pixel.samples());
         self.pixels.push(pixel);
     }
 }

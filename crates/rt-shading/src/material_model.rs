@@ -3,8 +3,8 @@
 use crate::{
     ColorTexture, LayeredSurface, MaterialEvalContext, Phong, TextureId,
     bsdf::{
-        Bsdf, Bxdf, ComplexIor, Conductor, Coupling, Dielectric, Ggx, Lambert, MetallicRoughness, Mirror, OrenNayar,
-        PhongLobe, ThinGlass,
+        Bsdf, Bxdf, ComplexIor, Conductor, Dielectric, Ggx, Lambert, MetallicRoughness, Mirror, OrenNayar, PhongLobe,
+        ThinGlass,
     },
     lobe_list::{BLACK, LobeList},
     phong_to_bsdf::phong_to_bsdf,
@@ -221,5 +221,5 @@ impl From<Phong> for MaterialModel {
 
 fn metallic_roughness(at: &MaterialEvalContext<'_>, base_color: &ColorTexture, metallic: f64, roughness: f64) -> Bxdf {
     let base_color = at.reflectance(base_color);
-    MetallicRoughness { base_color, metallic, roughness, coupling: Coupling::Albedo }.into()
+    MetallicRoughness { base_color, metallic, roughness }.into()
 }

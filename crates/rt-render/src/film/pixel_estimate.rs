@@ -260,19 +260,4 @@ mod tests {
         // The last pass has half of the error of 24 samples.
         assert!((freedom(&[4, 4, 4, 4, 8]) - 1.0 / (0.25 / 3.0 + 0.25)).abs() < 1e-14);
     }
-
-    #[test]
-    fn the_expected_error_is_that_of_random_samples() {
-        // Uniform numbers have the variance 1/12, and so has the mean of 1 + 2 + 4 + 8 + 16 of them 1/12 / 31.
-        let (mut sum, repeats) = (0.0, 4000u64);
-        let mut number = (0u64..).map(|index| unit(hash(&[3, index])));
-        for _ in 0..repeats {
-            let mut mean_of = |samples: u32| number.by_ref().take(samples as usize).sum::<f64>() / f64::from(samples);
-            let passes = [1, 2, 4, 8, 16].map(|samples| (mean_of(samples), samples));
-            sum += of(&passes).variance().expect("five passes").r;
-        }
-        let ratio = sum / repeats as f64 * 12.0 * 31.0;
-        // A ratio of 1 with a standard error of √(2/4) / √4000, or 0.011.
-        assert!((ratio - 1.0).abs() < 0.045, "{ratio}");
-    }
 }

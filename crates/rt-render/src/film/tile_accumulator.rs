@@ -36,7 +36,7 @@ impl<N: Iterator<Item = u32>> TileAccumulator<N> {
     }
 
     fn finish_pass(&mut self) {
-        self.finished.bad_samples += self.pixel.bad_samples();
+        self.finished.statistics.bad_samples += self.pixel.bad_samples();
         let (radiance, coverage) = self.pixel.mean();
         self.estimate.add(radiance, coverage, self.spp);
         self.pixel = self.pixel.cleared();

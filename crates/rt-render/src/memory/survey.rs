@@ -25,12 +25,14 @@ const EMITTER_BYTES: u64 = 64;
 pub(crate) struct LargestItem {
     pub(crate) bytes: u64,
     pub(crate) what: String,
+    /// Upper bound on the number of instances of an aggregate.
+    pub(crate) instances: u64,
 }
 
 impl LargestItem {
     pub(crate) fn update(&mut self, bytes: u64, what: impl FnOnce() -> String) {
         if bytes > self.bytes {
-            *self = Self { bytes, what: what() };
+            (self.bytes, self.what) = (bytes, what());
         }
     }
 }
@@ -69,12 +71,19 @@ pub(crate) struct Survey {
 struct InstanceTotals {
     count: u64,
     bytes: u64,
+    /// Upper bound on the number: each small mesh counts as inlined.
+    most: u64,
 }
 
 impl InstanceTotals {
-    const fn add(&mut self, count: u64, each: u64) {
-        self.count = self.count.saturating_add(count);
-        self.bytes = self.bytes.saturating_add(count.saturating_mul(each));
+    fn add(&mut self, count: u64, each: u64) {
+        self.add_all(Self { count, bytes: count.saturating_mul(each), most: count });
+    }
+
+    fn add_all(&mut self, other: Self) {
+        self.count = self.count.saturating_add(other.count);
+        self.bytes = self.bytes.saturating_add(other.bytes);
+        self.most = self.most.saturating_add(other.most);
     }
 }
 
@@ -144,7 +153,8 @@ impl<'s> Surveyor<'s, '_> {
 
     /// Adds an aggregate of instances with its accelerator.
     fn aggregate(&mut self, totals: InstanceTotals, name: &str) {
-        let InstanceTotals { count, bytes } = totals;
+        let InstanceTotals { count, bytes, most } = totals;
+        self.largest.instances = self.largest.instances.max(most);
         self.largest.update(bytes, || format!("{count} objects of {name}"));
         self.survey.geometry = self.survey.geometry.saturating_add(bytes);
         self.add_accel(count, || format!("the accelerator over {count} objects of {name}"));
@@ -173,7 +183,11 @@ impl<'s> Surveyor<'s, '_> {
                     Some(Content::Shape(shape)) => sum.add(1, each + shape_bytes(shape)),
                     Some(Content::Mesh(id)) => match self.inlined_triangles(node, *id, is_untransformed) {
                         Some(triangles) => sum.add(triangles, each + size_of::<InlinedTriangle>() as u64 + HEADER),
-                        None => sum.add(self.mesh(node, *id), each),
+                        None => {
+                            let count = self.mesh(node, *id);
+                            let most = self.small_mesh_triangles(*id).unwrap_or(count);
+                            sum.add_all(InstanceTotals { count, bytes: count * each, most });
+                        }
                     },
                     Some(Content::Instance(id)) => match (within_group, self.group_uses[id.0 as usize]) {
                         (false, 1) => open.push((&group_of(self.scene, node, *id)?.nodes, is_untransformed)),
@@ -181,11 +195,7 @@ impl<'s> Surveyor<'s, '_> {
                             self.level(*id)?;
                             sum.add(1, each);
                         }
-                        (true, _) => {
-                            let InstanceTotals { count, bytes } = self.dissolved(*id)?;
-                            sum.count = sum.count.saturating_add(count);
-                            sum.bytes = sum.bytes.saturating_add(bytes);
-                        }
+                        (true, _) => sum.add_all(self.dissolved(*id)?),
                     },
                 }
             }
@@ -195,10 +205,15 @@ impl<'s> Surveyor<'s, '_> {
 
     /// Number of triangles of a mesh that are instances of their own; `None` for a mesh with its own level.
     fn inlined_triangles(&self, node: &SceneNode, id: MeshId, is_untransformed: bool) -> Option<u64> {
-        let triangles = self.scene.meshes.get(id.0 as usize)?.mesh.data().triangles.len();
         let material = self.scene.appearance.materials.get(node.material.0 as usize);
         let is_plain = material.is_none_or(|m| m.normal_map.is_none() && m.alpha == rt_shading::Alpha::OPAQUE);
-        (triangles <= MAX_INLINED_TRIANGLES && is_untransformed && is_plain).then_some(triangles as u64)
+        self.small_mesh_triangles(id).filter(|_| is_untransformed && is_plain)
+    }
+
+    /// Number of triangles of a mesh that may be inlined.
+    fn small_mesh_triangles(&self, id: MeshId) -> Option<u64> {
+        let triangles = self.scene.meshes.get(id.0 as usize)?.mesh.data().triangles.len();
+        (triangles <= MAX_INLINED_TRIANGLES).then_some(triangles as u64)
     }
 
     /// Number of instances of a mesh. Its level is added on the first use.

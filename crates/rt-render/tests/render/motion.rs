@@ -277,30 +277,6 @@ fn reflected_rays_do_not_hit_their_origin() {
     assert!(film(&scene).pixels().iter().all(|pixel| *pixel == [1.0; 3]), "all is as white as the sky");
 }
 
-#[test]
-fn camera_motion_equals_inverse_world_motion() {
-    let mut moving_camera = spheres();
-    let place = moving_camera.cameras[0].settings.world_from_camera;
-    let step = shift(0.6, 0.2, -0.3);
-    moving_camera.cameras[0].settings.moves_to = Some(step.compose(&place));
-    moving_camera.appearance.lights.clear();
-    moving_camera.settings.spp = 64;
-    let mut moving_world = moving_camera.clone();
-    moving_world.cameras[0].settings.moves_to = None;
-    for node in &mut moving_world.nodes {
-        node.moves_to = Some(step.inverse());
-    }
-    let plan = compile(&moving_camera);
-    assert!(plan.explain().used.iter().any(|line| line.starts_with("animated camera:")));
-    let covered = |scene: &Scene| {
-        let options = PlanOptions { transparent: true, ..PlanOptions::default() };
-        film_with(scene, options, 0).alpha().expect("coverage").to_vec()
-    };
-    for (a, b) in covered(&moving_camera).into_iter().zip(covered(&moving_world)) {
-        assert!((a - b).abs() < 1.5 / 64.0, "{a} {b}");
-    }
-}
-
 /// Animated lights are not sampled. Paths that hit them compute the same radiance as for static lights.
 #[test]
 fn animated_lights_are_found_by_rays() {

@@ -5,9 +5,9 @@ use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform, transcendental::exp};
 use rt_render::{PlanOptions, RenderError, RenderPlan, RunOptions};
 use rt_scene_io::{MaterialId, Scene};
-use rt_shading::{Bitmap, ColorTexture, InteriorMedium, Material, Phong, Texture, TextureId, Transmission, Wrap};
+use rt_shading::{ColorTexture, InteriorMedium, Material, Phong, Transmission};
 
-use crate::support::{compile, cuboid, everything, film, film_with, node, point_light, render, sphere, spheres};
+use crate::support::{compile, cuboid, everything, film, film_with, node, render, sphere, spheres};
 
 /// Asserts that images are bit-identical; reports the first difference only.
 fn assert_same(a: &Image, b: &Image, what: &str) {
@@ -160,25 +160,4 @@ fn explanations_say_what_nests() {
     scene.cameras[0].medium = Some(MaterialId(1));
     assert!(used(&scene).contains("the camera is inside of a dielectric"));
     assert!(!used(&spheres()).contains("nested dielectrics"));
-}
-
-/// One texel of 4 × 2 is NaN; a floor shows the texture over the whole image of 61 × 43 pixels.
-#[test]
-fn each_sample_of_a_nan_texel_is_counted() {
-    let mut scene = in_smoke(Projection::Orthographic { height: 2.0 });
-    (scene.film.width, scene.film.height, scene.settings.spp) = (64, 32, 4);
-    let mut pixels = vec![[0.5; 3]; 8];
-    pixels[1] = [0.5, f32::NAN, 0.5];
-    let bitmap = std::sync::Arc::new(Bitmap::opaque(4, 2, pixels));
-    scene.appearance.textures = vec![Texture::Image { bitmap, wrap: [Wrap::Clamp; 2], smooth: false }];
-    let emission = ColorTexture::Textured(TextureId(0), Rgb::WHITE);
-    scene.appearance.materials = vec![Material { emission, ..Material::new("screen".into(), Phong::BLACK) }];
-    scene.appearance.lights = vec![point_light([0.0, 0.0, 9.0], 1.0)];
-    // The face of the box towards the camera shows the whole image.
-    scene.nodes = vec![node(cuboid([-2.0, -1.0, -3.0], [2.0, 1.0, -2.0]), 0)];
-    let rendering = render(&scene, PlanOptions::default(), RunOptions::default());
-    assert_eq!(rendering.statistics.bad_samples, 16 * 16 * 4);
-    let black = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.0; 3]).count();
-    let half = rendering.film.pixels().iter().filter(|pixel| **pixel == [0.5; 3]).count();
-    assert_eq!((black, half), (16 * 16, 7 * 16 * 16));
 }

@@ -70,6 +70,7 @@ fn assert_same(one: &Rendering, other: &Rendering, what: &str) {
     assert_eq!(one.samples_per_pixel, other.samples_per_pixel, "{what}");
 }
 
+/// Each part of a render runs on another number of threads than the part before it.
 #[test]
 fn resumed_renders_are_bit_identical() {
     for (number, mode) in modes().iter().enumerate() {
@@ -87,7 +88,8 @@ fn resumed_renders_are_bit_identical() {
                 let random = |dimension, max| 1 + hash(&[number as u64, seed, kills, dimension]) % max;
                 let kept_after = random(0, 5);
                 let tiles = [kept_after, kept_after + random(1, 4)];
-                let (checkpoint, rendering) = interrupted(&plan, mode.rule.as_ref(), from, RUN, tiles);
+                let run = RunOptions { threads: 1 + (seed + kills) as usize % 3, ..RUN };
+                let (checkpoint, rendering) = interrupted(&plan, mode.rule.as_ref(), from, run, tiles);
                 if rendering.stopped != Stopped::Interrupted {
                     break rendering;
                 }

@@ -23,7 +23,7 @@ use rt_math::{DVec3, Frame, Rgb};
 /// ```
 ///
 /// A layer attenuates those below by its albedo towards `wo` and `wi`. The base is divided by the mean of this attenuation, as
-/// in [`Coupling::Albedo`](super::Coupling::Albedo). A smooth base and a smooth clearcoat have delta lobes.
+/// in [`MetallicRoughness`](super::MetallicRoughness). A smooth base and a smooth clearcoat have delta lobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layered {
     /// Albedo of the diffuse lobe.

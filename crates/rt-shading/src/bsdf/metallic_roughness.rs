@@ -12,32 +12,19 @@ use crate::optics;
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{DVec3, Rgb};
 
-/// Split of the light between the diffuse base and the layer above it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coupling {
-    /// Appendix B.3 of the specification: microfacets with half vector m transmit 1 − F(wo·m) to the base.
-    ///
-    /// This gains energy at grazing angles, as the specification notes. The albedo of white plastic of roughness 0.3 is 1.001
-    /// at 45°, 1.149 at 75°, and 1.357 at 89°. That of metal and dark plastic is at most 1.
-    #[default]
-    FresnelMix,
-    /// The layer transmits (1 − E(wo)) · (1 − E(wi)) / (1 − Ē), with its directional albedo E and the mean Ē of E.
-    ///
-    /// Kulla, Conty 2017, which the specification recommends. The albedo of white plastic is 1 ± 0.001 at all angles.
-    Albedo,
-}
-
 /// The metallic-roughness BSDF of glTF 2.0, appendix B.
 ///
 /// ```text
 /// α = roughness²     m = wo + wi, normalised     w = (1 − |wo·m|)⁵                   Schlick 1994
 ///
-/// dielectric = base · baseColor / π + (0.04 + 0.96 w) · D·G₂ / (4 cos cos)           base: see Coupling
+/// dielectric = passes · baseColor / π + (0.04 + 0.96 w) · D·G₂ / (4 cos cos)
 /// metal      = (baseColor + (1 − baseColor) w) · D·G₂ / (4 cos cos)
 /// f          = mix(dielectric, metal, metallic)
 /// ```
 ///
-/// Smooth surfaces have a delta lobe and a diffuse lobe.
+/// The layer passes (1 − E(wo)) · (1 − E(wi)) / (1 − Ē) to the base, with its directional albedo E and the mean Ē of E (Kulla, Conty
+/// 2017, which the specification recommends). The albedo of white plastic is 1 ± 0.001 at all angles. With the 1 − F of appendix B.3
+/// it would be up to 1.36. Smooth surfaces have a delta lobe and a diffuse lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
     /// Albedo of the diffuse lobe, or reflectance of the metal at normal incidence, per channel in \[0, 1\].
@@ -46,8 +33,6 @@ pub struct MetallicRoughness {
     pub metallic: f64,
     /// Roughness in \[0, 1\], as in [`Ggx::from_roughness`].
     pub roughness: f64,
-    /// Split of the light between base and layer of the dielectric.
-    pub coupling: Coupling,
 }
 
 impl MetallicRoughness {
@@ -96,20 +81,14 @@ impl MetallicRoughness {
     }
 
     /// Albedo of the diffuse lobe below the layer.
-    fn diffuse(&self, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
+    fn diffuse(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let dielectric = 1.0 - self.clamped_metallic();
         if dielectric == 0.0 {
             return Rgb::BLACK;
         }
-        let passes = match self.coupling {
-            Coupling::FresnelMix => 1.0 - dielectric_fresnel(wo.dot(m)),
-            Coupling::Albedo => {
-                let layer = LayerAlbedo::new(self.roughness);
-                let passes = |cos| 1.0 - layer.directional(cos);
-                passes(wo.z) * passes(wi.z) / (1.0 - layer.mean())
-            }
-        };
-        self.base_color * (dielectric * passes)
+        let layer = LayerAlbedo::new(self.roughness);
+        let passes = |cos| 1.0 - layer.directional(cos);
+        self.base_color * (dielectric * (passes(wo.z) * passes(wi.z) / (1.0 - layer.mean())))
     }
 
     /// Probability with which `sample` chooses the specular lobe: its part of the albedo.
@@ -126,7 +105,7 @@ impl MetallicRoughness {
 
     fn value(&self, wo: DVec3, wi: DVec3, m: DVec3) -> Rgb {
         let facets = Ggx::from_roughness(self.roughness).map_or(0.0, |facets| facets.reflection(wo, wi, m));
-        self.diffuse(wo, wi, m) * FRAC_1_PI + self.specular(wo.dot(m)) * facets
+        self.diffuse(wo, wi) * FRAC_1_PI + self.specular(wo.dot(m)) * facets
     }
 
     fn density(&self, wo: DVec3, wi: DVec3, m: DVec3) -> f64 {

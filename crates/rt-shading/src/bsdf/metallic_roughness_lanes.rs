@@ -1,7 +1,7 @@
 //! The metallic-roughness BSDF in lanes.
 
 use super::{
-    Coupling, LaneSample, MetallicRoughness,
+    LaneSample, MetallicRoughness,
     albedo_table::{LayerAlbedo, directional_lanes},
     ggx::{IsotropicGgx, MIN_LANE_ROUGHNESS, normalize_or_up},
     lambert::cosine_hemisphere_lanes,
@@ -16,7 +16,7 @@ use crate::{
 use core::f64::consts::FRAC_1_PI;
 use rt_math::{Mask, Real, Vector3};
 
-/// Rough [`MetallicRoughness`] with [`Coupling::Albedo`] and parameters in range, and the albedo of its layer.
+/// Rough [`MetallicRoughness`] with parameters in range, and the albedo of its layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetallicRoughnessLayer {
     pub(crate) surface: MetallicRoughness,
@@ -26,8 +26,8 @@ pub(crate) struct MetallicRoughnessLayer {
 impl MetallicRoughnessLayer {
     /// The surface, if it can be shaded in lanes.
     pub(super) fn new(surface: &MetallicRoughness) -> Option<Self> {
-        let MetallicRoughness { base_color, coupling, roughness, .. } = *surface;
-        let fits_lanes = coupling == Coupling::Albedo && is_in_range(base_color) && roughness >= MIN_LANE_ROUGHNESS;
+        let MetallicRoughness { base_color, roughness, .. } = *surface;
+        let fits_lanes = is_in_range(base_color) && roughness >= MIN_LANE_ROUGHNESS;
         fits_lanes.then(|| Self { surface: *surface, albedo: LayerAlbedo::new(roughness) })
     }
 }

@@ -89,7 +89,7 @@ pub(crate) use lane_sample::LaneSample;
 pub use layered::Layered;
 pub(crate) use layered_lanes::{LayeredBlock, LayeredLanes, LayeredParameters};
 pub(crate) use metal_lanes::{MetalBlock, MetalLanes};
-pub use metallic_roughness::{Coupling, MetallicRoughness};
+pub use metallic_roughness::MetallicRoughness;
 pub(crate) use metallic_roughness_lanes::{MetallicRoughnessBlock, MetallicRoughnessLanes, MetallicRoughnessLayer};
 pub use mirror::Mirror;
 pub use mix::{MAX_LOBES, Mix, MixError};

@@ -4,6 +4,7 @@ mod agreement;
 mod chi_square;
 mod degenerate;
 mod furnace;
+mod lanes;
 mod laws;
 mod shading_normals;
 mod sphere;
@@ -52,12 +53,7 @@ pub(super) fn metal(roughness: f64) -> Conductor {
 
 /// A surface of glTF, white, so that its albedo is the greatest.
 pub(super) fn gltf(metallic: f64, roughness: f64) -> MetallicRoughness {
-    MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness, coupling: Coupling::FresnelMix }
-}
-
-/// Version of [`gltf`] with [`Coupling::Albedo`].
-pub(super) fn plastic(roughness: f64) -> MetallicRoughness {
-    MetallicRoughness { coupling: Coupling::Albedo, ..gltf(0.0, roughness) }
+    MetallicRoughness { base_color: Rgb::WHITE, metallic, roughness }
 }
 
 pub(super) fn eon(roughness: f64) -> OrenNayar {
@@ -152,13 +148,12 @@ pub(super) fn surfaces() -> Vec<Surface> {
         surface("gold .3", metal(0.3)),
         surface("gold 1", metal(1.0)),
         surface("glTF metal .4", gltf(1.0, 0.4)),
-        surface("glTF plastic .1", gltf(0.0, 0.1)),
-        surface("glTF plastic .5", gltf(0.0, 0.5)),
         surface("glTF smooth", gltf(0.5, 0.0)),
-        surface("plastic 0", plastic(0.0)),
-        surface("plastic .23", plastic(0.23)),
-        surface("plastic .6", plastic(0.6)),
-        surface("plastic 1", plastic(1.0)),
+        surface("glTF plastic 0", gltf(0.0, 0.0)),
+        surface("glTF plastic .1", gltf(0.0, 0.1)),
+        surface("glTF plastic .23", gltf(0.0, 0.23)),
+        surface("glTF plastic .6", gltf(0.0, 0.6)),
+        surface("glTF plastic 1", gltf(0.0, 1.0)),
         surface("pane", thin_glass()),
         surface("mix", blend()),
         surface("layers", layers()),

@@ -11,7 +11,7 @@ use crate::{
     test_worlds::{HitFunction, ShapeList, flat_hit, gray, whitted_of},
     wavefront::test_world::{assert_close, assert_same_bits, in_streams},
 };
-use core::{f64::consts::PI, ops::Range};
+use core::ops::Range;
 use rt_geometry::{Plane, Polygon, Shape, Sphere};
 use rt_math::{DVec3, Interval, Ray, Rgb, random};
 
@@ -165,32 +165,6 @@ fn at_origin() -> Ray {
     Ray::new(DVec3::new(3.0, 1.0, 0.5), DVec3::new(-3.0, -1.0, -0.5))
 }
 
-/// The unit square light 1 above a diffuse floor, as shape and as light.
-fn under_square(floor_material: Material, roulette: PathSettings) {
-    let emission = Emission::new(Rgb::gray(2.0), EmissionSides::Front).expect("an emission");
-    let corner = DVec3::new(-0.5, 1.0, -0.5);
-    let outline = vec![corner, corner + DVec3::X, corner + DVec3::X + DVec3::Z, corner + DVec3::Z];
-    let light = QuadLight::new(corner, [DVec3::X, DVec3::Z], emission).expect("a light");
-    let mut emitter = emissive(MaterialModel::Black, 2.0);
-    emitter.emission_sides = EmissionSides::Front;
-    let shape = Polygon::new(outline, Vec::new(), rt_geometry::InsideRule::Convex).expect("a square");
-    Scene::new(vec![floor_material, emitter], vec![Light::Quad(light)])
-        .with(floor(), 0, None)
-        .with(Shape::Polygon(shape.into()), 1, Some(0))
-        // Irradiance .7522746885 for radiance 1 (Lambert), albedo one half.
-        .assert_shows(roulette, at_origin(), 2.0 * 0.752_274_688_5 * 0.5 / PI);
-}
-
-#[test]
-fn direct_light_of_a_square_is_lamberts() {
-    under_square(emissive(diffuse(0.5), 0.0), paths(0));
-    under_square(emissive(diffuse(0.5), 0.0), paths(20));
-    under_square(emissive(diffuse(0.5), 0.0), DISTRIBUTED);
-    // The classical surface reads its coefficient as albedo.
-    let classical = Phong { diffuse: gray(0.5), ambient: ColorTexture::ZERO, ..Phong::default() };
-    under_square(Material::new(String::new(), classical), paths(0));
-}
-
 /// In lanes, a black light once got shadow rays.
 #[test]
 fn a_black_light_gets_no_shadow_rays() {
@@ -216,40 +190,6 @@ fn a_floor_at_height_zero_is_shaded_in_lanes() {
     let (seen, counts) = scene.trace(paths(0), &rays);
     assert!(seen.iter().all(|seen| !seen.radiance.is_black()));
     assert!((counts.lanes_used, counts.lanes) == (40, 40) || LaneLevel::best().is_none(), "{counts:?}");
-}
-
-#[test]
-fn a_closed_emissive_enclosure_sums_all_bounces() {
-    for albedo in [0.5, 0.8] {
-        let enclosure = || Scene::new(vec![emissive(diffuse(albedo), 1.0)], Vec::new()).with(sphere(1.0), 0, None);
-        let out = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
-        enclosure().assert_shows(paths(1000), out, 1.0 / (1.0 - albedo));
-        // Emission of the first surface and of five more.
-        let truncated = (0..5).fold(1.0, |sum, _| 1.0 + albedo * sum);
-        enclosure().assert_shows(paths(4), out, truncated);
-    }
-}
-
-#[test]
-fn a_light_that_can_be_drawn_counts_once() {
-    // A sky that is drawn as a light and met by rays: a white floor below it is as bright as the sky.
-    let sky = EnvironmentLight::constant(Rgb::WHITE).expect("a sky");
-    for roughness in [0.0, 0.3, 1.0] {
-        let metal = MaterialModel::MetallicRoughness { base_color: gray(1.0), metallic: 1.0, roughness };
-        for material in [diffuse(1.0), MaterialModel::Mirror { reflectance: gray(1.0) }, metal] {
-            let is_rough = matches!(&material, MaterialModel::MetallicRoughness { roughness, .. } if *roughness > 0.0);
-            let drawn = vec![Light::Environment(sky.clone())];
-            let mut scene = Scene::new(vec![emissive(material, 0.0)], drawn).with(floor(), 0, None);
-            scene.appearance.background = Background::Environment(sky.clone().into());
-            if is_rough {
-                // Light that facets pass to each other is lost.
-                let (mean, error) = scene.estimate(paths(3), at_origin(), 20_000);
-                assert!(mean < 1.0 && mean > 0.4 && error < 0.01, "{mean} ± {error}");
-            } else {
-                scene.assert_shows(paths(3), at_origin(), 1.0);
-            }
-        }
-    }
 }
 
 #[test]
@@ -322,24 +262,6 @@ fn bounces_charged_for_null_interfaces_end_with_the_ray() {
     let (seen, counts) = trace(&mut sheets, lighting, settings, &[InteriorList::default()], &[at_origin(); 4]);
     // 1, ½, ... of the first four walls. The way to each costs five bounces: four and five more are too many.
     assert_eq!((seen[0].radiance.g, counts.depth_limited), (1.875, 4), "{seen:?}, {counts:?}");
-}
-
-#[test]
-fn delta_lights_are_as_bright_as_under_whitted() {
-    let kind = DeltaLightKind::Point {
-        position: DVec3::new(0.0, 2.0, 0.0),
-        falloff: Falloff::InverseSquare,
-        shadow_near: 0.0,
-    };
-    let light = DeltaLight::new(kind, Rgb::gray(3.0));
-    let classical = Phong { diffuse: gray(0.4), ambient: ColorTexture::ZERO, ..Phong::default() };
-    let mut scene = Scene::new(vec![Material::new(String::new(), classical)], Vec::new()).with(floor(), 0, None);
-    scene.appearance.lights = vec![light];
-    let whitted = whitted_of(&scene.appearance, 0).radiance(&mut scene.world, &scene.appearance, &at_origin());
-    for settings in [paths(0), paths(3), DISTRIBUTED] {
-        let (mean, error) = scene.estimate(settings, at_origin(), 4);
-        assert!((mean / whitted.radiance.g - 1.0).abs() < 1e-12 && error < 1e-15, "{mean}: {whitted:?}");
-    }
 }
 
 #[test]

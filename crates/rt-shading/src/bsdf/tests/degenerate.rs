@@ -14,7 +14,6 @@ fn strange_surfaces() -> Vec<Bsdf> {
         all.extend(INDICES.map(|ior| Bsdf::from(ThinGlass { ior, transmittance: Rgb::gray(roughness) })));
         all.extend([Bsdf::from(metal(roughness)), eon(roughness).into(), phong(roughness).into()]);
         all.extend([0.0, 0.5, 1.0, 3.0, f64::NAN].map(|metallic| Bsdf::from(gltf(metallic, roughness))));
-        all.push(plastic(roughness).into());
         let glass = (1.0, Dielectric::clear(1.5, roughness).into());
         all.push(Mix::new(&[glass, (0.0, metal(roughness).into())]).expect("sound weights").into());
     }
