@@ -22,9 +22,9 @@ use rt_math::{DVec3, Rgb};
 /// f          = mix(dielectric, metal, metallic)
 /// ```
 ///
-/// The layer passes (1 − E(wo)) · (1 − E(wi)) / (1 − Ē) to the base, with its directional albedo E and the mean Ē of E (Kulla, Conty
-/// 2017, which the specification recommends). The albedo of white plastic is 1 ± 0.001 at all angles. With the 1 − F of appendix B.3
-/// it would be up to 1.36. Smooth surfaces have a delta lobe and a diffuse lobe.
+/// The layer passes (1 − E(wo)) · (1 − E(wi)) / (1 − Ē) to the base, with its directional albedo E and the mean Ē of E. The specification
+/// recommends this (Kulla, Conty 2017). The albedo of white plastic is 1 ± 0.001 at all angles; with the 1 − F of appendix B.3 it would be
+/// up to 1.36. Smooth surfaces have a delta lobe and a diffuse lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetallicRoughness {
     /// Albedo of the diffuse lobe, or reflectance of the metal at normal incidence, per channel in \[0, 1\].
