@@ -239,12 +239,18 @@ impl Instances<'_> {
         }
     }
 
+    /// The instance of a hit, given by its instance and primitive. `None` for an index out of range.
+    #[inline(always)]
+    fn instance_of(&self, [instance, primitive]: [u32; 2]) -> Option<&Instance> {
+        self.instances.get(if self.is_flat { primitive } else { instance } as usize)
+    }
+
     /// A hit primitive whose surface is computed in lanes: a sphere, a plane, a polygon or a triangle, without transform and normal map.
     /// `None` for all others.
     #[inline(always)]
     pub(crate) fn stream_primitive(&self, hit: [u32; 2]) -> Option<StreamPrimitive<'_>> {
-        let [instance, primitive] = hit;
-        let instance = self.instances.get(if self.is_flat { primitive } else { instance } as usize)?;
+        let instance = self.instance_of(hit)?;
+        let [_, primitive] = hit;
         let mut of_mesh = None;
         let shape = match &instance.geometry {
             InstanceGeometry::Triangle(triangle) => {
@@ -267,8 +273,8 @@ impl Instances<'_> {
 
     /// Index of the material of a hit primitive whose texture coordinates are not used. `None` for all others, and for a group.
     #[inline(always)]
-    pub(crate) fn untextured_material(&self, [instance, primitive]: [u32; 2]) -> Option<u32> {
-        let instance = self.instances.get(if self.is_flat { primitive } else { instance } as usize)?;
+    pub(crate) fn untextured_material(&self, hit: [u32; 2]) -> Option<u32> {
+        let instance = self.instance_of(hit)?;
         (!instance.textured).then_some(instance.material)
     }
 
@@ -279,8 +285,8 @@ impl Instances<'_> {
 
     /// Texture coordinates of the vertices of a hit triangle; `None` for all other primitives.
     pub(crate) fn vertex_uvs(&self, hit: [u32; 2]) -> Option<[[f32; 2]; 3]> {
-        let [instance, primitive] = hit;
-        match &self.instances.get(if self.is_flat { primitive } else { instance } as usize)?.geometry {
+        let [_, primitive] = hit;
+        match &self.instance_of(hit)?.geometry {
             InstanceGeometry::Triangle(triangle) => triangle.mesh.vertex_uvs(triangle.index),
             InstanceGeometry::Mesh(level, _) => self.levels.meshes[*level as usize].mesh.vertex_uvs(primitive),
             _ => None,

@@ -7,7 +7,7 @@ use rt_scene_io::Scene;
 use rt_shading::SurfaceHit;
 
 use crate::{
-    RenderError, RenderSpace,
+    MemoryPrediction, RenderError, RenderSpace,
     accel_choice::AccelOptions,
     flatten::flatten,
     instance::{Aggregate, BottomLevel},
@@ -27,8 +27,9 @@ impl SceneGeometry {
     /// Builds the acceleration structures in render space.
     ///
     /// # Errors
-    /// If an index is out of range, groups contain themselves, or an acceleration structure cannot be built.
+    /// If an index is out of range, groups contain themselves or have too many objects, or an acceleration structure cannot be built.
     pub fn build(scene: &Scene, space: RenderSpace) -> Result<Self, RenderError> {
+        MemoryPrediction::of_scene(scene, None)?;
         let (top, levels) = flatten(scene, AccelOptions::default(), space.render_from_world(), true, Some(0.0))?;
         Ok(Self { top, levels })
     }

@@ -186,7 +186,7 @@ impl<'s> Surveyor<'s, '_> {
                         None => {
                             let count = self.mesh(node, *id);
                             let most = self.small_mesh_triangles(*id).unwrap_or(count);
-                            sum.add_all(InstanceTotals { count, bytes: count * each, most });
+                            sum.add_all(InstanceTotals { count, bytes: count.saturating_mul(each), most });
                         }
                     },
                     Some(Content::Instance(id)) => match (within_group, self.group_uses[id.0 as usize]) {

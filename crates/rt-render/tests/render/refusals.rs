@@ -3,7 +3,7 @@
 use rt_camera::Projection;
 use rt_geometry::MeshData;
 use rt_math::{DVec3, Transform, Vec3};
-use rt_render::{Crop, PlanOptions, RenderError, RenderPlan};
+use rt_render::{Crop, PlanOptions, RenderError, RenderPlan, RenderSpace, SceneGeometry};
 use rt_scene_io::{Accel, Content, Group, GroupId, MeshId, Scene, SceneNode};
 
 use crate::support::{compile, mesh, node, sphere, spheres};
@@ -118,16 +118,19 @@ fn unusable_settings_are_refused() {
     }
 }
 
+/// By plans, and by the geometry for scene lints.
 #[test]
 fn groups_that_multiply_beyond_memory_are_refused_at_once() {
-    let message = message(|scene| {
-        scene.groups.push(Group { name: "0".into(), nodes: vec![node(sphere(0.0, 0.0, 0.0, 1.0), 0)] });
-        for level in 1..60 {
-            let inner = node(Content::Instance(GroupId(level - 1)), 0);
-            scene.groups.push(Group { name: level.to_string(), nodes: vec![inner.clone(), inner] });
-        }
-        let outer = node(Content::Instance(GroupId(59)), 0);
-        scene.nodes = vec![outer.clone(), outer];
-    });
-    assert!(message.contains(&(1u64 << 59).to_string()), "{message}");
+    let mut scene = spheres();
+    scene.groups = vec![Group { name: "0".into(), nodes: vec![node(sphere(0.0, 0.0, 0.0, 1.0), 0)] }];
+    for level in 1..60 {
+        let inner = node(Content::Instance(GroupId(level - 1)), 0);
+        scene.groups.push(Group { name: level.to_string(), nodes: vec![inner.clone(), inner] });
+    }
+    let outer = node(Content::Instance(GroupId(59)), 0);
+    scene.nodes = vec![outer.clone(), outer];
+    let geometry = SceneGeometry::build(&scene, RenderSpace::WORLD).expect_err("too many objects");
+    for error in [refusal(&scene, &PlanOptions::default()), geometry] {
+        assert!(error.to_string().contains(&(1u64 << 59).to_string()), "{error}");
+    }
 }
