@@ -61,6 +61,12 @@ impl<S: Simd> F64x8<S> {
         simd.halves(self.0)
     }
 
+    /// `self` where the mask has a bit, otherwise `other`.
+    #[inline(always)]
+    pub(super) fn select(self, simd: S, mask: u32, other: Self) -> Self {
+        Self(simd.select_f64x8(mask, self.0, other.0))
+    }
+
     /// Non-negative numbers with the signs of others.
     #[inline(always)]
     pub(super) fn copysign(self, simd: S, sign: Self) -> Self {

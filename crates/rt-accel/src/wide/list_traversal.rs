@@ -331,7 +331,7 @@ impl ListStream<'_> {
     fn trace<S: Simd, O: Output>(self, simd: S, rays: &RayStream, mut write: impl FnMut(usize, ListHits<'_, S>)) {
         for (at, open) in (0..rays.len()).step_by(PACKET).zip(self.open) {
             let all = (1 << (rays.len() - at).min(PACKET)) - 1;
-            let soa = RaySoa8::load(simd, rays, at);
+            let soa = RaySoa8::load(simd, rays, at, true);
             let mut hits = find::<S, O>(simd, self.tree, self.list, &soa, all);
             for other in &self.list.others {
                 if !O::ANY_HIT || other.casts_shadow {

@@ -14,7 +14,7 @@ pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
 pub(super) struct RaySoa8<S: Simd> {
     pub(super) origin: [F64x8<S>; 3],
     pub(super) direction: [F64x8<S>; 3],
-    /// Equals [`SlabRay::inverse`](rt_math::SlabRay).
+    /// Equals [`SlabRay::inverse`](rt_math::SlabRay), if it was asked for.
     pub(super) inverse: [F64x8<S>; 3],
     pub(super) min: F64x8<S>,
     pub(super) max: F64x8<S>,
@@ -36,31 +36,35 @@ impl<S: Simd> RaySoa8<S> {
         }
         let direction =
             [by_ray!(|ray, _| ray.direction.x), by_ray!(|ray, _| ray.direction.y), by_ray!(|ray, _| ray.direction.z)];
-        let one = F64x8::splat(simd, 1.0);
         Self {
             origin: [by_ray!(|ray, _| ray.origin.x), by_ray!(|ray, _| ray.origin.y), by_ray!(|ray, _| ray.origin.z)],
             direction,
-            inverse: [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])],
+            inverse: inverse(simd, direction),
             min: by_ray!(|_, span| span.min),
             max: by_ray!(|_, span| span.max),
         }
     }
 
-    /// Eight rays of a stream from the index `at` on.
+    /// Eight rays of a stream from the index `at` on. Their inverse is needed to cross boxes and triangles.
     #[inline(always)]
-    pub(super) fn load(simd: S, rays: &RayStream, at: usize) -> Self {
+    pub(super) fn load(simd: S, rays: &RayStream, at: usize, has_inverse: bool) -> Self {
         let load = |numbers: &StreamArray<f64>| F64x8::new(simd, *numbers.vector(at));
         let [x, y, z] = &rays.direction;
         let direction = [load(x), load(y), load(z)];
         let [x, y, z] = &rays.origin;
-        let one = F64x8::splat(simd, 1.0);
         Self {
             origin: [load(x), load(y), load(z)],
             direction,
-            inverse: [one.div(simd, direction[0]), one.div(simd, direction[1]), one.div(simd, direction[2])],
+            inverse: if has_inverse { inverse(simd, direction) } else { direction },
             min: load(&rays.min),
             max: load(&rays.max),
         }
+    }
+
+    /// The rays with their inverse.
+    #[inline(always)]
+    pub(super) fn with_inverse(self, simd: S) -> Self {
+        Self { inverse: inverse(simd, self.direction), ..self }
     }
 
     /// Entry into and exit from boxes whose sides are moved outward by `pad`.
@@ -128,6 +132,12 @@ impl<S: Simd> RaySoa8<S> {
             & F64x8::splat(simd, 1e-100).le(simd, squared)
             & squared.lt(simd, F64x8::splat(simd, 1e100))
     }
+}
+
+#[inline(always)]
+fn inverse<S: Simd>(simd: S, [x, y, z]: [F64x8<S>; 3]) -> [F64x8<S>; 3] {
+    let one = F64x8::splat(simd, 1.0);
+    [one.div(simd, x), one.div(simd, y), one.div(simd, z)]
 }
 
 /// Cyclic order of the coordinates: y, z, x where `by_x` is negative, otherwise z, x, y where `by_y` is negative.

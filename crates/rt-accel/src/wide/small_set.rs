@@ -263,23 +263,24 @@ impl<O: Output> Batch<'_, O> {
     fn trace_packet<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) {
         let soa = RaySoa8::new(simd, rays);
         let in_range = soa.in_safe_range(simd) & ((1 << outputs.len().min(PACKET)) - 1);
-        let mut results = SetResults::new(in_range);
+        let mut results = SetResults::new(simd, in_range);
         if !self.is_first {
+            let mut t = [f64::INFINITY; PACKET];
             for (lane, output) in outputs.iter().enumerate() {
                 results.found |= u32::from(output.to_hit().is_some()) << lane;
-                results.t[lane & 7] = output.t_max(f64::INFINITY);
+                t[lane & 7] = output.t_max(f64::INFINITY);
                 results.active &= !(u32::from(output.is_final()) << lane);
             }
+            results.t = F64x8::new(simd, t);
         }
         self.test_entries(simd, &soa, |lane| rays[lane & 7], &mut results);
+        let hits = results.hits(simd, self.entries);
         for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
             if in_range >> lane & 1 == 0 {
                 let (ray, span) = &rays[lane];
                 self.trace(ray, *span, output);
             } else if results.hit >> lane & 1 == 1 {
-                let [instance, primitive] = self.entries[results.entries[lane] as usize].hit_ids;
-                let uv = [results.uv[0][lane], results.uv[1][lane]];
-                *output = O::from_hit(Some(Hit { t: results.t[lane], instance, primitive, uv }));
+                *output = O::from_hit(Some(hits[lane]));
             } else if self.is_first {
                 *output = O::default();
             }
@@ -287,13 +288,19 @@ impl<O: Output> Batch<'_, O> {
     }
 
     /// Intersects one ray, whose numbers are extreme, with the entries.
-    #[inline(never)]
-    fn trace_entries(&mut self, ray: &Ray, span: Interval, lane: usize, results: &mut SetResults) {
+    #[inline(always)]
+    fn trace_entries<S: Simd>(
+        &mut self,
+        simd: S,
+        (ray, span): &(Ray, Interval),
+        lane: usize,
+        results: &mut SetResults<S>,
+    ) {
         for (number, entry) in self.entries.iter().enumerate() {
             self.stats.tests += 1;
-            let span = results.remaining_span::<O>(lane, span);
+            let span = results.remaining_span::<O>(simd, lane, *span);
             if let Some(hit) = self.tester.test(entry.index, ray, span).to_hit() {
-                results.set::<O>(number, lane, hit.t, hit.uv);
+                results.set::<O>(simd, number, lane, &hit);
                 if O::ANY_HIT {
                     return;
                 }
@@ -308,7 +315,7 @@ impl<O: Output> Batch<'_, O> {
         simd: S,
         soa: &RaySoa8<S>,
         ray: impl Fn(usize) -> (Ray, Interval),
-        results: &mut SetResults,
+        results: &mut SetResults<S>,
     ) {
         let by_axis = soa.by_steepest_axis(simd);
         for (number, SetEntry { index, casts_shadow, kernel, bounds, .. }) in self.entries.iter().enumerate() {
@@ -323,12 +330,17 @@ impl<O: Output> Batch<'_, O> {
             let mut uncertain = match kernel {
                 BatchKernel::Sphere(sphere) => {
                     let spheres = SpherePacket::all(simd, sphere);
-                    let possible = active & !spheres.miss_mask(simd, soa);
+                    let mut possible = active & !spheres.miss_mask(simd, soa);
+                    if O::ANY_HIT && possible != 0 {
+                        let [hit, uncertain] = spheres.occlusion(simd, soa);
+                        self.stats.hits += results.accept_occluded(possible & hit);
+                        possible &= uncertain;
+                    }
                     if possible == 0 {
                         continue;
                     }
                     let hits = spheres.intersect(simd, soa);
-                    self.stats.hits += results.accept::<S, O>(simd, number, possible, &hits);
+                    self.stats.hits += results.accept::<O>(simd, number, possible, &hits);
                     possible & hits.uncertain
                 }
                 BatchKernel::Triangle(vertices) => {
@@ -341,27 +353,26 @@ impl<O: Output> Batch<'_, O> {
                         let Some(hits) = packet_triangles::intersect(simd, vertices, axis, soa, mask) else {
                             continue;
                         };
-                        self.stats.hits += results.accept::<S, O>(simd, number, mask, &hits);
+                        self.stats.hits += results.accept::<O>(simd, number, mask, &hits);
                         uncertain |= hits.uncertain;
                     }
                     uncertain
                 }
                 BatchKernel::Plane(plane) => {
                     let hits = packet_planes::intersect(simd, plane, soa);
-                    self.stats.hits += results.accept::<S, O>(simd, number, active, &hits);
+                    self.stats.hits += results.accept::<O>(simd, number, active, &hits);
                     0
                 }
                 BatchKernel::Instance | BatchKernel::Single => {
-                    let t = F64x8::new(simd, results.t);
-                    bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, t))
+                    bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, results.t))
                 }
             };
             while uncertain != 0 {
                 let lane = take_lane(&mut uncertain);
                 let (ray, span) = ray(lane);
-                let span = results.remaining_span::<O>(lane, span);
+                let span = results.remaining_span::<O>(simd, lane, span);
                 if let Some(hit) = self.tester.test(*index, &ray, span).to_hit() {
-                    results.set::<O>(number, lane, hit.t, hit.uv);
+                    results.set::<O>(simd, number, lane, &hit);
                 }
             }
         }
@@ -402,21 +413,21 @@ impl<O: Output> WithSimd<&RayStream, StreamOutput<'_>> for StreamTraversal<'_, '
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &RayStream, mut output: StreamOutput<'_>) {
         let batch = self.batch;
+        let has_inverse = batch.entries.iter().any(SetEntry::needs_inverse);
         for at in (0..rays.len()).step_by(PACKET) {
             let used = (rays.len() - at).min(PACKET);
-            let soa = RaySoa8::load(simd, rays, at);
+            let soa = RaySoa8::load(simd, rays, at, has_inverse);
             let all = (1 << used) - 1;
             let in_range = soa.in_safe_range(simd) & all;
-            let mut results = SetResults::new(in_range);
+            let mut results = SetResults::new(simd, in_range);
             batch.test_entries(simd, &soa, |lane| rays.get(at + lane), &mut results);
             let mut out_of_range = all & !in_range;
             while out_of_range != 0 {
                 let lane = take_lane(&mut out_of_range);
-                let (ray, span) = rays.get(at + lane);
-                batch.trace_entries(&ray, span, lane, &mut results);
+                batch.trace_entries(simd, &rays.get(at + lane), lane, &mut results);
             }
             match &mut output {
-                StreamOutput::Closest(hits) => results.write(batch.entries, hits, at),
+                StreamOutput::Closest(hits) => results.write(simd, batch.entries, hits, at),
                 StreamOutput::Occluded(occluded) => {
                     for (lane, occluded) in occluded.iter_mut().skip(at).take(used).enumerate() {
                         *occluded = results.hit >> lane & 1 == 1;

@@ -85,6 +85,8 @@ pub(in crate::wide) trait Simd: Copy {
     fn max_f64(self, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
     /// `negative` where the sign bit of `by` is set, otherwise `positive`.
     fn select_by_sign(self, by: Self::F64x4, positive: Self::F64x4, negative: Self::F64x4) -> Self::F64x4;
+    /// `a` where the mask has a bit, otherwise `b`.
+    fn select_f64(self, mask: u32, a: Self::F64x4, b: Self::F64x4) -> Self::F64x4;
     /// Sign bits of the four numbers.
     fn signs(self, a: Self::F64x4) -> u32;
     fn lt_f64(self, a: Self::F64x4, b: Self::F64x4) -> u32;
@@ -107,6 +109,8 @@ pub(in crate::wide) trait Simd: Copy {
     fn max_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
     /// See [`select_by_sign`](Self::select_by_sign).
     fn select_by_sign_f64x8(self, by: Self::F64x8, positive: Self::F64x8, negative: Self::F64x8) -> Self::F64x8;
+    /// See [`select_f64`](Self::select_f64).
+    fn select_f64x8(self, mask: u32, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8;
     /// Sign bits of the eight numbers.
     fn signs_f64x8(self, a: Self::F64x8) -> u32;
     fn lt_f64x8(self, a: Self::F64x8, b: Self::F64x8) -> u32;
@@ -161,6 +165,11 @@ macro_rules! f64x8_as_halves {
         #[inline(always)]
         fn halves(self, a: Self::F64x8) -> [Self::F64x4; 2] {
             a
+        }
+
+        #[inline(always)]
+        fn select_f64x8(self, mask: u32, a: Self::F64x8, b: Self::F64x8) -> Self::F64x8 {
+            [self.select_f64(mask, a[0], b[0]), self.select_f64(mask >> 4, a[1], b[1])]
         }
 
         #[inline(always)]

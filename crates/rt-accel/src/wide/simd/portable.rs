@@ -106,6 +106,9 @@ impl Simd for Portable {
         fn select_by_sign(by: F64x4, positive: F64x4, negative: F64x4) -> F64x4 {
             core::array::from_fn(|i| if by[i].is_sign_negative() { negative[i] } else { positive[i] })
         }
+        fn select_f64(mask: u32, a: F64x4, b: F64x4) -> F64x4 {
+            core::array::from_fn(|i| if mask >> i & 1 != 0 { a[i] } else { b[i] })
+        }
         fn signs(a: F64x4) -> u32 { (0..4).map(|i| u32::from(a[i].is_sign_negative()) << i).sum() }
         fn lt_f64(a: F64x4, b: F64x4) -> u32 { (0..4).map(|i| u32::from(a[i] < b[i]) << i).sum() }
         fn le_f64(a: F64x4, b: F64x4) -> u32 { (0..4).map(|i| u32::from(a[i] <= b[i]) << i).sum() }

@@ -142,6 +142,11 @@ macro_rules! common_methods {
             fn select_by_sign(by: __m256d, positive: __m256d, negative: __m256d) -> __m256d {
                 _mm256_blendv_pd(positive, negative, by)
             }
+            fn select_f64(mask: u32, a: __m256d, b: __m256d) -> __m256d {
+                let bits = _mm256_setr_epi64x(1, 2, 4, 8);
+                let set = _mm256_and_si256(_mm256_set1_epi64x(i64::from(mask)), bits);
+                _mm256_blendv_pd(b, a, _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bits)))
+            }
             fn signs(a: __m256d) -> u32 { _mm256_movemask_pd(a) as u32 }
             fn lt_f64(a: __m256d, b: __m256d) -> u32 { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32 }
             fn le_f64(a: __m256d, b: __m256d) -> u32 { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) as u32 }
@@ -280,6 +285,7 @@ impl Simd for Avx512 {
         fn select_by_sign_f64x8(by: __m512d, positive: __m512d, negative: __m512d) -> __m512d {
             _mm512_mask_blend_pd(_mm512_movepi64_mask(_mm512_castpd_si512(by)), positive, negative)
         }
+        fn select_f64x8(mask: u32, a: __m512d, b: __m512d) -> __m512d { _mm512_mask_blend_pd(mask as u8, b, a) }
         fn signs_f64x8(a: __m512d) -> u32 { u32::from(_mm512_movepi64_mask(_mm512_castpd_si512(a))) }
         fn lt_f64x8(a: __m512d, b: __m512d) -> u32 { u32::from(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)) }
         fn le_f64x8(a: __m512d, b: __m512d) -> u32 { u32::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)) }

@@ -37,6 +37,11 @@ impl SetEntry {
         matches!(self.kernel, BatchKernel::Instance)
     }
 
+    /// True if its tests with eight rays at once use their inverse.
+    pub(super) const fn needs_inverse(&self) -> bool {
+        !matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Plane(_))
+    }
+
     /// True if it is intersected with eight rays at once.
     pub(super) fn has_kernel(&self) -> bool {
         !self.is_instance() && (self.bounds.is_some() || self.kernel != BatchKernel::Single)

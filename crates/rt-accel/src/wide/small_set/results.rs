@@ -1,16 +1,16 @@
 //! Results of eight rays on the entries of a small set.
 
-use rt_geometry::HitStream;
+use rt_geometry::{Hit, HitStream};
 use rt_math::Interval;
 
 use super::entry::SetEntry;
-use crate::wide::f64x8::PACKET;
+use crate::wide::f64x8::{F64x8, PACKET};
 use crate::wide::query::Output;
 use crate::wide::ray_soa::PacketHit;
-use crate::wide::simd::{Simd, take_lane};
+use crate::wide::simd::Simd;
 
 /// Results of eight rays, of which some are traced. Bit `i` of a mask is for ray `i`.
-pub(super) struct SetResults {
+pub(super) struct SetResults<S: Simd> {
     /// Rays whose result may still change.
     pub(super) active: u32,
     /// Rays with a hit on these entries.
@@ -18,74 +18,98 @@ pub(super) struct SetResults {
     /// Rays with a hit on these entries or on earlier ones.
     pub(super) found: u32,
     /// Parameters of the closest hits; infinite without one.
-    pub(super) t: [f64; PACKET],
-    pub(super) uv: [[f64; PACKET]; 2],
+    pub(super) t: F64x8<S>,
+    uv: [F64x8<S>; 2],
     /// Numbers of the hit entries.
-    pub(super) entries: [u32; PACKET],
+    entry: F64x8<S>,
 }
 
-impl SetResults {
+impl<S: Simd> SetResults<S> {
     #[inline(always)]
-    pub(super) const fn new(active: u32) -> Self {
-        Self { active, hit: 0, found: 0, t: [f64::INFINITY; PACKET], uv: [[0.0; PACKET]; 2], entries: [0; PACKET] }
+    pub(super) fn new(simd: S, active: u32) -> Self {
+        let zero = F64x8::splat(simd, 0.0);
+        Self { active, hit: 0, found: 0, t: F64x8::splat(simd, f64::INFINITY), uv: [zero; 2], entry: zero }
+    }
+
+    /// By ray: its closest hit; the instance and primitive are without meaning for a ray that hits nothing.
+    #[inline(always)]
+    fn hit_ids(&self, simd: S, entries: &[SetEntry]) -> [[u32; 2]; PACKET] {
+        let mut ids = [[0, HitStream::NONE]; PACKET];
+        for (lane, number) in self.entry.to_array(simd).into_iter().enumerate() {
+            if self.hit >> lane & 1 == 1
+                && let Some(entry) = entries.get(number as usize)
+            {
+                ids[lane] = entry.hit_ids;
+            }
+        }
+        ids
     }
 
     /// Writes the closest hits to a stream, from index `at` on.
     #[inline(always)]
-    pub(super) fn write(&self, entries: &[SetEntry], hits: &mut HitStream, at: usize) {
-        let (mut instances, mut primitives) = ([0; PACKET], [HitStream::NONE; PACKET]);
-        for (lane, entry) in self.entries.into_iter().enumerate() {
-            if self.hit >> lane & 1 == 1
-                && let Some(entry) = entries.get(entry as usize)
-            {
-                [instances[lane], primitives[lane]] = entry.hit_ids;
-            }
+    pub(super) fn write(&self, simd: S, entries: &[SetEntry], hits: &mut HitStream, at: usize) {
+        let ids = self.hit_ids(simd, entries);
+        let [to_u, to_v] = &mut hits.uv;
+        *hits.t.vector_mut(at) = self.t.to_array(simd);
+        for (lane, id) in ids.into_iter().enumerate() {
+            [hits.instance.vector_mut(at)[lane], hits.primitive.vector_mut(at)[lane]] = id;
         }
-        let ([to_u, to_v], [u, v]) = (&mut hits.uv, &self.uv);
-        *hits.t.vector_mut(at) = self.t;
-        *hits.instance.vector_mut(at) = instances;
-        *hits.primitive.vector_mut(at) = primitives;
-        (*to_u.vector_mut(at), *to_v.vector_mut(at)) = (*u, *v);
+        *to_u.vector_mut(at) = self.uv[0].to_array(simd);
+        *to_v.vector_mut(at) = self.uv[1].to_array(simd);
+    }
+
+    /// Closest hits by ray. Those of rays that hit nothing are without meaning.
+    #[inline(always)]
+    pub(super) fn hits(&self, simd: S, entries: &[SetEntry]) -> [Hit; PACKET] {
+        let ids = self.hit_ids(simd, entries);
+        let (t, u, v) = (self.t.to_array(simd), self.uv[0].to_array(simd), self.uv[1].to_array(simd));
+        core::array::from_fn(
+            #[inline(always)]
+            |lane| {
+                let [instance, primitive] = ids[lane];
+                Hit { t: t[lane], instance, primitive, uv: [u[lane], v[lane]] }
+            },
+        )
+    }
+
+    /// Marks rays that are occluded, and returns their number.
+    #[inline(always)]
+    pub(super) fn accept_occluded(&mut self, hit: u32) -> u64 {
+        self.hit |= hit;
+        self.active &= !hit;
+        u64::from(hit.count_ones())
     }
 
     /// Span in which another hit of a ray is closer.
     #[inline(always)]
-    pub(super) fn remaining_span<O: Output>(&self, lane: usize, span: Interval) -> Interval {
+    pub(super) fn remaining_span<O: Output>(&self, simd: S, lane: usize, span: Interval) -> Interval {
         let is_shorter = !O::ANY_HIT && self.found >> lane & 1 == 1;
-        if is_shorter { Interval { max: self.t[lane], ..span } } else { span }
+        if is_shorter { Interval { max: self.t.to_array(simd)[lane & 7], ..span } } else { span }
     }
 
-    /// Accepts a hit that is closer than any before. Entries are tested by rising index, so that ties keep the lower one.
+    /// Accepts the hit of one ray on an entry if it is closer than any before.
     #[inline(always)]
-    pub(super) fn set<O: Output>(&mut self, entry: usize, lane: usize, t: f64, uv: [f64; 2]) {
-        if O::ANY_HIT || self.found >> lane & 1 == 0 || t < self.t[lane] {
-            self.hit |= 1 << lane;
-            self.found |= 1 << lane;
-            (self.t[lane], self.entries[lane]) = (t, entry as u32);
-            (self.uv[0][lane], self.uv[1][lane]) = (uv[0], uv[1]);
-            if O::ANY_HIT {
-                self.active &= !(1 << lane);
-            }
-        }
+    pub(super) fn set<O: Output>(&mut self, simd: S, entry: usize, lane: usize, hit: &Hit) {
+        let uv = [F64x8::splat(simd, hit.uv[0]), F64x8::splat(simd, hit.uv[1])];
+        let hit = PacketHit { hit: 1 << lane, uncertain: 0, t: F64x8::splat(simd, hit.t), uv };
+        let _ = self.accept::<O>(simd, entry, 1 << lane, &hit);
     }
 
-    /// Accepts the certain hits of some rays on an entry. Returns the number of those that are not behind another.
+    /// Accepts the certain hits of some rays on an entry that are closer than any before. Returns the number of those that are not behind
+    /// another. Entries are tested by rising index, so that ties keep the lower one.
     #[inline(always)]
-    pub(super) fn accept<S: Simd, O: Output>(&mut self, simd: S, entry: usize, mask: u32, hits: &PacketHit<S>) -> u64 {
-        let mut hit = mask & hits.hit;
+    pub(super) fn accept<O: Output>(&mut self, simd: S, entry: usize, mask: u32, hits: &PacketHit<S>) -> u64 {
+        let hit = mask & hits.hit;
         if O::ANY_HIT {
-            self.hit |= hit;
-            self.active &= !hit;
-            return u64::from(hit.count_ones());
+            return self.accept_occluded(hit);
         }
-        let [v, w] = hits.uv;
-        let (t, v, w) = (hits.t.to_array(simd), v.to_array(simd), w.to_array(simd));
-        let mut accepted = 0;
-        while hit != 0 {
-            let lane = take_lane(&mut hit);
-            accepted += u64::from(self.found >> lane & 1 == 0 || t[lane] <= self.t[lane]);
-            self.set::<O>(entry, lane, t[lane], [v[lane], w[lane]]);
-        }
-        accepted
+        let closer = hit & (hits.t.lt(simd, self.t) | !self.found);
+        let not_behind = hit & (hits.t.le(simd, self.t) | !self.found);
+        self.hit |= closer;
+        self.found |= closer;
+        self.t = hits.t.select(simd, closer, self.t);
+        self.uv = [hits.uv[0].select(simd, closer, self.uv[0]), hits.uv[1].select(simd, closer, self.uv[1])];
+        self.entry = F64x8::splat(simd, entry as f64).select(simd, closer, self.entry);
+        u64::from(not_behind.count_ones())
     }
 }
