@@ -327,6 +327,26 @@ impl InteriorLists {
         }
     }
 
+    /// Adds the list behind the surface of a solid that is entered from air, or left into air. `None` for other lists.
+    #[inline(always)]
+    pub(crate) fn push_behind_solid_in_air(
+        &mut self,
+        before: ListRange,
+        entry: MediumEntry,
+        leaving: bool,
+    ) -> Option<ListRange> {
+        match (before.len, leaving) {
+            (0, false) => {
+                self.entries.push(entry);
+                Some(ListRange { start: self.entries.len() as u32 - 1, len: 1 })
+            }
+            (1, true) if self.entries.get(before.start as usize)?.material == entry.material => {
+                Some(ListRange::default())
+            }
+            _ => None,
+        }
+    }
+
     /// Adds a list that was read from a range, unless it is still the same: lists only grow there.
     #[inline]
     pub(crate) fn push_changed(&mut self, interior: &InteriorList, range: ListRange) -> ListRange {
@@ -360,7 +380,8 @@ fn top(entries: impl Iterator<Item = MediumEntry>, materials: &[Material]) -> Op
     entries.max_by_key(priority).map(|entry| entry.material)
 }
 
-fn medium(material: Option<u32>, materials: &[Material]) -> Medium {
+/// Medium of a solid; air for other materials.
+pub(crate) fn medium(material: Option<u32>, materials: &[Material]) -> Medium {
     material
         .and_then(|material| interior(materials, material))
         .map_or(Medium::AIR, |interior| Medium { ior: interior.ior, absorption: interior.absorption })

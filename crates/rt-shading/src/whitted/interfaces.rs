@@ -9,9 +9,10 @@ use super::{
 use crate::{
     RadianceSample, SurfaceHit,
     hit_context::SurfaceTransmission,
-    interior_list::{MediumEntry, MediumInterface},
+    interior_list::{MediumEntry, MediumInterface, medium},
     lane_set::{Element, LaneSet, set_color},
     lanes::each_lane,
+    medium::Medium,
 };
 use rt_math::Vector3;
 
@@ -41,15 +42,32 @@ impl<E: Element> SpawnedRays<E> {
         lanes.store_f64(surface.length, &mut length);
         let (mut eta, mut throughput) = ([E::rounded(1.0); 8], [[E::default(); 8]; 3]);
         let mut is_absorbed = false;
+        let solid = medium(Some(surfaces.material), materials);
+        let is_refractive_solid = transmission == SurfaceTransmission::Solid && solid.ior != Medium::AIR.ior;
+        let absorbs_within = settings.features.absorption && !solid.absorption.is_black();
         for lane in each_lane(group.mask) {
             let at = group.at + lane;
             let [before, behind] = &mut self.sides[lane & 7];
             if transmission == SurfaceTransmission::None && before.is_empty() {
                 continue;
             }
+            let is_inside = surface.inside >> lane & 1 == 1;
+            // The usual case.
+            if is_refractive_solid
+                && !(is_inside && absorbs_within)
+                && let entry = surfaces.medium_entry(lane)
+                && let Some(list) = self.lists.push_behind_solid_in_air(*before, entry, is_inside)
+            {
+                if group.phong.transmission.is_some() {
+                    *behind = list;
+                    let air = Medium::AIR.ior;
+                    eta[lane] = E::rounded(if is_inside { solid.ior / air } else { air / solid.ior });
+                    group.transmits |= 1 << lane;
+                }
+                continue;
+            }
             let media = &mut self.media;
             media.resume(&self.lists, paths.media.get(at));
-            let is_inside = surface.inside >> lane & 1 == 1;
             let interface =
                 transmission.interface(&mut media.interior, materials, surfaces.medium_entry(lane), is_inside);
             let interface = interface.as_ref();
