@@ -274,7 +274,7 @@ impl<O: Output> Batch<'_, O> {
             results.t = F64x8::new(simd, t);
         }
         self.test_entries(simd, &soa, |lane| rays[lane & 7], &mut results);
-        let hits = results.hits(simd, self.entries);
+        let hits = results.hits(simd);
         for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
             if in_range >> lane & 1 == 0 {
                 let (ray, span) = &rays[lane];
@@ -296,11 +296,11 @@ impl<O: Output> Batch<'_, O> {
         lane: usize,
         results: &mut SetResults<S>,
     ) {
-        for (number, entry) in self.entries.iter().enumerate() {
+        for entry in self.entries {
             self.stats.tests += 1;
             let span = results.remaining_span::<O>(simd, lane, *span);
             if let Some(hit) = self.tester.test(entry.index, ray, span).to_hit() {
-                results.set::<O>(simd, number, lane, &hit);
+                results.set::<O>(simd, entry, lane, &hit);
                 if O::ANY_HIT {
                     return;
                 }
@@ -318,7 +318,8 @@ impl<O: Output> Batch<'_, O> {
         results: &mut SetResults<S>,
     ) {
         let by_axis = soa.by_steepest_axis(simd);
-        for (number, SetEntry { index, casts_shadow, kernel, bounds, .. }) in self.entries.iter().enumerate() {
+        for entry in self.entries {
+            let SetEntry { index, casts_shadow, kernel, bounds, .. } = entry;
             let active = results.active;
             if active == 0 {
                 break;
@@ -340,7 +341,7 @@ impl<O: Output> Batch<'_, O> {
                         continue;
                     }
                     let hits = spheres.intersect(simd, soa);
-                    self.stats.hits += results.accept::<O>(simd, number, possible, &hits);
+                    self.stats.hits += results.accept::<O>(simd, entry, possible, &hits);
                     possible & hits.uncertain
                 }
                 BatchKernel::Triangle(vertices) => {
@@ -353,14 +354,14 @@ impl<O: Output> Batch<'_, O> {
                         let Some(hits) = packet_triangles::intersect(simd, vertices, axis, soa, mask) else {
                             continue;
                         };
-                        self.stats.hits += results.accept::<O>(simd, number, mask, &hits);
+                        self.stats.hits += results.accept::<O>(simd, entry, mask, &hits);
                         uncertain |= hits.uncertain;
                     }
                     uncertain
                 }
                 BatchKernel::Plane(plane) => {
                     let hits = packet_planes::intersect(simd, plane, soa);
-                    self.stats.hits += results.accept::<O>(simd, number, active, &hits);
+                    self.stats.hits += results.accept::<O>(simd, entry, active, &hits);
                     0
                 }
                 BatchKernel::Instance | BatchKernel::Single => {
@@ -372,7 +373,7 @@ impl<O: Output> Batch<'_, O> {
                 let (ray, span) = ray(lane);
                 let span = results.remaining_span::<O>(simd, lane, span);
                 if let Some(hit) = self.tester.test(*index, &ray, span).to_hit() {
-                    results.set::<O>(simd, number, lane, &hit);
+                    results.set::<O>(simd, entry, lane, &hit);
                 }
             }
         }
@@ -427,7 +428,7 @@ impl<O: Output> WithSimd<&RayStream, StreamOutput<'_>> for StreamTraversal<'_, '
                 batch.trace_entries(simd, &rays.get(at + lane), lane, &mut results);
             }
             match &mut output {
-                StreamOutput::Closest(hits) => results.write(simd, batch.entries, hits, at),
+                StreamOutput::Closest(hits) => results.write(simd, hits, at),
                 StreamOutput::Occluded(occluded) => {
                     for (lane, occluded) in occluded.iter_mut().skip(at).take(used).enumerate() {
                         *occluded = results.hit >> lane & 1 == 1;

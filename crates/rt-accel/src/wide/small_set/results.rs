@@ -20,54 +20,45 @@ pub(super) struct SetResults<S: Simd> {
     /// Parameters of the closest hits; infinite without one.
     pub(super) t: F64x8<S>,
     uv: [F64x8<S>; 2],
-    /// Numbers of the hit entries.
-    entry: F64x8<S>,
+    /// Bits of their instances and primitives.
+    ids: [S::F32x8; 2],
 }
 
 impl<S: Simd> SetResults<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, active: u32) -> Self {
         let zero = F64x8::splat(simd, 0.0);
-        Self { active, hit: 0, found: 0, t: F64x8::splat(simd, f64::INFINITY), uv: [zero; 2], entry: zero }
-    }
-
-    /// By ray: its closest hit; the instance and primitive are without meaning for a ray that hits nothing.
-    #[inline(always)]
-    fn hit_ids(&self, simd: S, entries: &[SetEntry]) -> [[u32; 2]; PACKET] {
-        let mut ids = [[0, HitStream::NONE]; PACKET];
-        for (lane, number) in self.entry.to_array(simd).into_iter().enumerate() {
-            if self.hit >> lane & 1 == 1
-                && let Some(entry) = entries.get(number as usize)
-            {
-                ids[lane] = entry.hit_ids;
-            }
-        }
-        ids
+        let ids = [simd.splat(0.0), simd.splat(f32::from_bits(HitStream::NONE))];
+        Self { active, hit: 0, found: 0, t: F64x8::splat(simd, f64::INFINITY), uv: [zero; 2], ids }
     }
 
     /// Writes the closest hits to a stream, from index `at` on.
     #[inline(always)]
-    pub(super) fn write(&self, simd: S, entries: &[SetEntry], hits: &mut HitStream, at: usize) {
-        let ids = self.hit_ids(simd, entries);
+    pub(super) fn write(&self, simd: S, hits: &mut HitStream, at: usize) {
+        let [instance, primitive] = self.ids;
         let [to_u, to_v] = &mut hits.uv;
         *hits.t.vector_mut(at) = self.t.to_array(simd);
-        for (lane, id) in ids.into_iter().enumerate() {
-            [hits.instance.vector_mut(at)[lane], hits.primitive.vector_mut(at)[lane]] = id;
-        }
+        *hits.instance.vector_mut(at) = simd.to_array(instance).map(f32::to_bits);
+        *hits.primitive.vector_mut(at) = simd.to_array(primitive).map(f32::to_bits);
         *to_u.vector_mut(at) = self.uv[0].to_array(simd);
         *to_v.vector_mut(at) = self.uv[1].to_array(simd);
     }
 
     /// Closest hits by ray. Those of rays that hit nothing are without meaning.
     #[inline(always)]
-    pub(super) fn hits(&self, simd: S, entries: &[SetEntry]) -> [Hit; PACKET] {
-        let ids = self.hit_ids(simd, entries);
+    pub(super) fn hits(&self, simd: S) -> [Hit; PACKET] {
+        let [instance, primitive] = self.ids.map(
+            #[inline(always)]
+            |ids| simd.to_array(ids),
+        );
         let (t, u, v) = (self.t.to_array(simd), self.uv[0].to_array(simd), self.uv[1].to_array(simd));
         core::array::from_fn(
             #[inline(always)]
-            |lane| {
-                let [instance, primitive] = ids[lane];
-                Hit { t: t[lane], instance, primitive, uv: [u[lane], v[lane]] }
+            |lane| Hit {
+                t: t[lane],
+                instance: instance[lane].to_bits(),
+                primitive: primitive[lane].to_bits(),
+                uv: [u[lane], v[lane]],
             },
         )
     }
@@ -89,7 +80,7 @@ impl<S: Simd> SetResults<S> {
 
     /// Accepts the hit of one ray on an entry if it is closer than any before.
     #[inline(always)]
-    pub(super) fn set<O: Output>(&mut self, simd: S, entry: usize, lane: usize, hit: &Hit) {
+    pub(super) fn set<O: Output>(&mut self, simd: S, entry: &SetEntry, lane: usize, hit: &Hit) {
         let uv = [F64x8::splat(simd, hit.uv[0]), F64x8::splat(simd, hit.uv[1])];
         let hit = PacketHit { hit: 1 << lane, uncertain: 0, t: F64x8::splat(simd, hit.t), uv };
         let _ = self.accept::<O>(simd, entry, 1 << lane, &hit);
@@ -98,7 +89,7 @@ impl<S: Simd> SetResults<S> {
     /// Accepts the certain hits of some rays on an entry that are closer than any before. Returns the number of those that are not behind
     /// another. Entries are tested by rising index, so that ties keep the lower one.
     #[inline(always)]
-    pub(super) fn accept<O: Output>(&mut self, simd: S, entry: usize, mask: u32, hits: &PacketHit<S>) -> u64 {
+    pub(super) fn accept<O: Output>(&mut self, simd: S, entry: &SetEntry, mask: u32, hits: &PacketHit<S>) -> u64 {
         let hit = mask & hits.hit;
         if O::ANY_HIT {
             return self.accept_occluded(hit);
@@ -109,7 +100,11 @@ impl<S: Simd> SetResults<S> {
         self.found |= closer;
         self.t = hits.t.select(simd, closer, self.t);
         self.uv = [hits.uv[0].select(simd, closer, self.uv[0]), hits.uv[1].select(simd, closer, self.uv[1])];
-        self.entry = F64x8::splat(simd, entry as f64).select(simd, closer, self.entry);
+        let [instance, primitive] = entry.hit_ids.map(f32::from_bits);
+        self.ids = [
+            simd.select(closer, simd.splat(instance), self.ids[0]),
+            simd.select(closer, simd.splat(primitive), self.ids[1]),
+        ];
         u64::from(not_behind.count_ones())
     }
 }
