@@ -73,13 +73,16 @@ impl SmallSet {
         self.indices.get(..self.len).unwrap_or(&[])
     }
 
-    /// The primitives with what batches need of them; beyond the length of the set without meaning.
-    fn entries<P: Primitives>(&self, primitives: &P) -> [SetEntry; Self::CAPACITY] {
-        let mut entries = [SetEntry::NONE; Self::CAPACITY];
-        for (entry, &index) in entries.iter_mut().zip(self.indices()) {
+    /// The primitives with what batches need of them, in a buffer.
+    fn entries<'b, P: Primitives>(
+        &self,
+        primitives: &P,
+        buffer: &'b mut [SetEntry; Self::CAPACITY],
+    ) -> &'b [SetEntry] {
+        for (entry, &index) in buffer.iter_mut().zip(self.indices()) {
             *entry = SetEntry::new(primitives, index);
         }
-        entries
+        buffer.get(..self.len).unwrap_or(&[])
     }
 
     /// Traces a stream. Returns false, without any result, for a set with instances, and at levels without packets.
@@ -92,8 +95,8 @@ impl SmallSet {
     where
         for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
     {
-        let entries = self.entries(primitives);
-        let entries = entries.get(..self.len).unwrap_or(&[]);
+        let mut buffer = [SetEntry::NONE; Self::CAPACITY];
+        let entries = self.entries(primitives, &mut buffer);
         if entries.iter().any(SetEntry::is_instance) {
             return false;
         }
@@ -143,8 +146,8 @@ impl SmallSet {
     {
         let n = rays.len().min(outputs.len());
         let (rays, outputs) = (rays.get(..n).unwrap_or(&[]), outputs.get_mut(..n).unwrap_or(&mut []));
-        let entries = self.entries(primitives);
-        let entries = entries.get(..self.len).unwrap_or(&[]);
+        let mut buffer = [SetEntry::NONE; Self::CAPACITY];
+        let entries = self.entries(primitives, &mut buffer);
         if entries.is_empty() {
             outputs.fill(O::default());
         }
