@@ -32,6 +32,9 @@ pub fn write_image(
     writer.write_all(&bytes).and_then(|()| writer.flush()).map_err(ImageFileError::Write)
 }
 
+/// Pixels of the longest scanline of a Radiance file that is compressed.
+const LONGEST_SCANLINE: u32 = 0x7fff;
+
 /// The bytes of the file.
 fn encode(image: &Image, development: &Development, format: ImageFormat) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (image.width(), image.height());
@@ -57,7 +60,16 @@ fn encode(image: &Image, development: &Development, format: ImageFormat) -> Resu
         }
         ImageFormat::Hdr => {
             let pixels: Vec<_> = image.pixels().iter().map(|&value| image::Rgb(representable_in_rgbe(value))).collect();
-            HdrEncoder::new(&mut bytes).encode(&pixels, width as usize, height as usize)?;
+            if width == LONGEST_SCANLINE + 1 {
+                // The encoder would compress its scanlines, of which the format cannot state the length. It stores narrow images as they are.
+                HdrEncoder::new(&mut bytes).encode(&pixels, 1, pixels.len())?;
+                let size = format!("-Y {} +X 1\n", pixels.len());
+                if let Some(at) = bytes.windows(size.len()).position(|window| window == size.as_bytes()) {
+                    bytes.splice(at..at + size.len(), format!("-Y {height} +X {width}\n").into_bytes());
+                }
+            } else {
+                HdrEncoder::new(&mut bytes).encode(&pixels, width as usize, height as usize)?;
+            }
         }
         ImageFormat::Pfm => pfm::write(image, &mut bytes)?,
     }
@@ -114,6 +126,18 @@ mod tests {
             }
         }
         image
+    }
+
+    #[test]
+    fn hdr_images_beside_the_longest_compressed_scanline_are_read_back() {
+        for width in [LONGEST_SCANLINE, LONGEST_SCANLINE + 1, LONGEST_SCANLINE + 2] {
+            let image = film_by_index(width, 2, false, |index| [(index % 7) as f32, (index % 256) as f32, 0.5]);
+            let read = read_back(&image, ImageFormat::Hdr);
+            assert_eq!([read.width(), read.height()], [width, 2]);
+            for (pixel, written) in read.pixels().iter().zip(image.pixels()) {
+                assert_eq!(*pixel, representable_in_rgbe(*written), "width {width}");
+            }
+        }
     }
 
     #[test]
