@@ -33,14 +33,17 @@ pub struct Layer<'a> {
     pub channels: Vec<(&'a str, Cow<'a, [f32]>)>,
 }
 
+/// Bytes of the longest name of a channel or an attribute.
+const MAX_NAME: usize = 255;
+
 /// Name of a channel, with one value per pixel.
 type NamedChannel<'a> = (String, Cow<'a, [f32]>);
 
 /// Writes an image with layers, and texts such as the name of the program as attributes, to an OpenEXR file.
 ///
 /// # Errors
-/// [`ImageFileError::Encode`] if the image has no pixels, or a layer not one value for each of them, and
-/// [`ImageFileError::Write`] if the writer fails.
+/// [`ImageFileError::Encode`] if the image has no pixels, or a layer not one value for each of them, or if a name is empty, longer than
+/// 255 bytes or has a zero byte. [`ImageFileError::Write`] if the writer fails.
 pub fn write_layers(
     image: &Image,
     layers: &[Layer<'_>],
@@ -59,6 +62,12 @@ pub fn write_layers(
                 return Err(refused(format!("{name}.{component} has {} values for {count} pixels", values.len())));
             }
             planes.push((format!("{name}.{component}"), Cow::Borrowed(values)));
+        }
+    }
+    let names = planes.iter().map(|(name, _)| name.as_str()).chain(attributes.iter().map(|(name, _)| *name));
+    for name in names {
+        if name.is_empty() || name.len() > MAX_NAME || name.contains('\0') {
+            return Err(refused(format!("{name:?} is no name: it needs 1 to {MAX_NAME} bytes, and none of them zero")));
         }
     }
     let bytes = encode([image.width(), image.height()], planes, attributes);
@@ -185,6 +194,23 @@ mod tests {
 
     fn depth() -> Layer<'static> {
         Layer { name: "depth", channels: vec![("Z", vec![1.0, 2.0, 3.5, 1e10, 0.0, 7.0].into())] }
+    }
+
+    #[test]
+    fn names_that_a_file_cannot_have_are_refused() {
+        let long = "n".repeat(300);
+        for name in ["a\0b", &long] {
+            let layer = Layer { name, ..depth() };
+            for (layers, attributes) in
+                [(&[layer][..], vec![]), (&[], vec![(name, String::new())]), (&[], vec![("", String::new())])]
+            {
+                let error = write_layers(&film(), layers, &attributes, Vec::new()).expect_err("refused");
+                assert!(
+                    matches!(&error, ImageFileError::Encode { reason, .. } if reason.contains("is no name")),
+                    "{error}"
+                );
+            }
+        }
     }
 
     #[test]
