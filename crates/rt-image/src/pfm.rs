@@ -91,7 +91,8 @@ pub(crate) fn read(mut reader: impl BufRead, length: u64) -> Result<Image, PfmEr
     }
     let decode = |bytes: &[u8; 4]| {
         let value = if scale < 0.0 { f32::from_le_bytes(*bytes) } else { f32::from_be_bytes(*bytes) };
-        value * scale.abs()
+        // A product would change the bits of a signalling NaN.
+        if scale.abs() == 1.0 { value } else { value * scale.abs() }
     };
     let mut film = Image::new(width, height, false);
     let mut bytes = vec![0; 4 * channels as usize * width as usize];
@@ -165,6 +166,13 @@ mod tests {
     fn a_positive_scale_means_big_endian() {
         let film = parse(&file("PF 1 1 1.0\n", [1f32, 2.0, 3.0].map(f32::to_be_bytes))).expect("sound");
         assert_eq!(film.pixels(), [[1.0, 2.0, 3.0]]);
+    }
+
+    #[test]
+    fn signalling_nans_keep_their_bits() {
+        let bytes = file("PF\n1 1\n-1.0\n", [0x7fa0_0001u32, 0xff80_0001, 0].map(u32::to_le_bytes));
+        let film = parse(&bytes).expect("sound");
+        assert_eq!(film.pixels()[0].map(f32::to_bits), [0x7fa0_0001, 0xff80_0001, 0]);
     }
 
     #[test]
