@@ -43,6 +43,22 @@ mod tests {
     use crate::{Accelerator as _, AcceleratorKind, AnyAccelerator, NoProbe};
 
     #[test]
+    fn a_box_is_among_all_hits_of_a_ray_once() {
+        let boxes =
+            [Aabb::new(glam::DVec3::ZERO, glam::DVec3::ONE), Aabb::new(glam::DVec3::NEG_ONE, glam::DVec3::splat(-0.5))];
+        for &kind in AcceleratorKind::ALL {
+            let accelerator = AnyAccelerator::build(kind, &Boxes(&boxes)).expect("a tree");
+            for (z, t) in [(3.0, 2.0), (0.5, 0.0)] {
+                let ray = Ray::new(glam::DVec3::new(0.5, 0.5, z), glam::DVec3::NEG_Z);
+                let mut hits = Vec::new();
+                accelerator.all_hits(&Boxes(&boxes), &ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+                let found: Vec<_> = hits.iter().map(|hit| (hit.primitive, hit.t)).collect();
+                assert_eq!(found, [(0, t)], "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
     fn boxes_that_do_not_exist_are_missed() {
         let boxes = row();
         let (all, few) = (Boxes(&boxes), Boxes(&boxes[..3]));

@@ -125,9 +125,9 @@ impl RayQuery for AnyHit {
     }
 }
 
-/// Maximum number of hits of one primitive at successive floating-point numbers. More belong to a primitive that fills
-/// space and has no end of hits.
-const MOST_IN_A_ROW: u32 = 8;
+/// Number of hits of one primitive at successive floating-point numbers that tell of a primitive that fills space. It has one hit: the
+/// first of them.
+const TOO_MANY_IN_A_ROW: usize = 8;
 
 /// Visits the hits of one primitive by rising `t`, until `visit` breaks.
 #[inline]
@@ -139,16 +139,30 @@ fn for_each_hit<P: Primitives, S: Probe>(
     probe: &mut S,
     mut visit: impl FnMut(Hit) -> ControlFlow<()>,
 ) {
-    let mut in_a_row = 0;
+    // Hits in a row, behind the one that was visited.
+    let mut waiting = [Hit { t: 0.0, instance: 0, primitive: 0, uv: [0.0; 2] }; TOO_MANY_IN_A_ROW];
+    let (mut n_waiting, mut is_first) = (0, true);
     while let Some(hit) = intersect_primitive(primitives, index, ray, span, probe) {
-        in_a_row = if hit.t == span.min { in_a_row + 1 } else { 0 };
-        // A ray hits a triangle once.
-        let is_only_one = || matches!(primitives.geometry(index), Geometry::Triangle(_) | Geometry::ExactTriangle(_));
-        if visit(hit).is_break() || in_a_row == MOST_IN_A_ROW || is_only_one() {
-            return;
+        if !is_first && hit.t == span.min {
+            waiting[n_waiting] = hit;
+            n_waiting += 1;
+            if n_waiting == TOO_MANY_IN_A_ROW {
+                return;
+            }
+        } else {
+            let are_visited = waiting[..n_waiting].iter().all(|hit| visit(*hit).is_continue());
+            n_waiting = 0;
+            // A ray hits a triangle once.
+            let is_only_one =
+                || matches!(primitives.geometry(index), Geometry::Triangle(_) | Geometry::ExactTriangle(_));
+            if !are_visited || visit(hit).is_break() || is_only_one() {
+                return;
+            }
         }
+        is_first = false;
         span.min = hit.t.next_up();
     }
+    let _ = waiting[..n_waiting].iter().all(|hit| visit(*hit).is_continue());
 }
 
 /// All hits, collected in any order, possibly twice.
