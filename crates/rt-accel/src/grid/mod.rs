@@ -48,7 +48,8 @@ impl UniformGrid {
         let count = boxes.bounded.len();
         let mut cells = suitable_cells(count);
         loop {
-            let axes = divide(&boxes.union, cubical(boxes.union.extent(), cells));
+            let bounds = boxes.finite_union();
+            let axes = divide(&bounds, cubical(bounds.extent(), cells));
             if cells == 1 || n_references(&boxes, &axes) <= 16 * count as u64 + 4096 {
                 return Self::fill(boxes, axes);
             }
@@ -64,7 +65,7 @@ impl UniformGrid {
     /// Those of [`build`](Self::build), and [`BuildError::TooMany`] for more than 2²⁶ cells or 2³⁰ references.
     pub fn with_resolution<P: Primitives>(primitives: &P, resolution: [u32; 3]) -> Result<Self, BuildError> {
         let boxes = PrimBounds::collect(primitives)?;
-        let axes = divide(&boxes.union, resolution);
+        let axes = divide(&boxes.finite_union(), resolution);
         Self::fill(boxes, axes)
     }
 
@@ -94,7 +95,7 @@ impl UniformGrid {
             });
         }
         let primitives = (boxes.bounded.len() + boxes.unbounded.len()) as u32;
-        Ok(Self { bounds: boxes.union, axes, starts, indices, unbounded: boxes.unbounded, primitives })
+        Ok(Self { bounds: boxes.finite_union(), axes, starts, indices, unbounded: boxes.unbounded, primitives })
     }
 
     /// Number of cells along x, y and z.
@@ -137,7 +138,7 @@ impl UniformGrid {
         }
         match self.bounds.clip(ray, span) {
             None => GridEntry::Missed,
-            Some(inside) if inside.max.is_finite() => GridEntry::Inside(inside),
+            Some(inside) if inside.min.is_finite() && inside.max.is_finite() => GridEntry::Inside(inside),
             Some(_) => GridEntry::Unresolved,
         }
     }

@@ -113,6 +113,9 @@ fn trees_of_nothing_and_of_extreme_numbers_can_be_saved() {
         let text = serde_json::to_string(&accelerator).unwrap();
         assert_eq!(serde_json::from_str::<S>(&text).unwrap(), accelerator);
     }
+    for &kind in AcceleratorKind::ALL {
+        check(AnyAccelerator::build(kind, &Soup(vec![])));
+    }
     let huge = Aabb::new(DVec3::splat(-1e300), DVec3::splat(1e300));
     for soup in [Soup(vec![]), Soup(vec![Solid::Ghost(huge); 20])] {
         check(SphereTree::build(&soup));

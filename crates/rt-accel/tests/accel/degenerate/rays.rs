@@ -80,13 +80,14 @@ fn spans_are_closed_and_may_be_points() {
 fn rays_that_are_no_rays_get_the_same_answer_everywhere() {
     let soup = Soup::mixed(&mut Draw::new(11));
     let all = Accelerators::build(&soup);
-    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 0.0, -0.0, 5e-324, 1.0];
+    let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 0.0, -0.0, 5e-324, 1e-310, 1.0];
     let mut draw = Draw::new(12);
     for _ in 0..4000 {
         let mut vector = || DVec3::new(draw.pick(&odd), draw.pick(&odd), draw.pick(&odd));
         let ray = Ray::new(vector(), vector());
         all.closest(&soup, &ray, FORWARD);
         all.closest(&soup, &ray, Interval::new(-1.0, 1.0));
+        all.closest(&soup, &ray, Interval::new(f64::NEG_INFINITY, 0.0));
     }
 }
 
