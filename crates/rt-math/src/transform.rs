@@ -169,9 +169,12 @@ impl Transform {
         if !(linear.is_finite() && translation.is_finite()) {
             return Err(TransformError::NonFinite);
         }
-        let linear_inverse = linear.inverse();
+        // Products of three coordinates neither overflow nor underflow.
+        let factor = scale_to_one(&linear);
+        let scaled = linear * factor;
+        let linear_inverse = scaled.inverse() * factor;
         let condition = frobenius(&linear) * frobenius(&linear_inverse);
-        if !(linear.determinant() != 0.0 && condition <= MAX_CONDITION) {
+        if !(scaled.determinant() != 0.0 && condition <= MAX_CONDITION && linear_inverse.is_finite()) {
             return Err(TransformError::Singular(condition));
         }
         Ok(Self { linear, linear_inverse, translation })
@@ -223,14 +226,13 @@ impl Transform {
 
     /// True if the map mirrors, so that the handedness of a frame (and the winding of a triangle) flips.
     pub fn flips_handedness(&self) -> bool {
-        self.linear.determinant() < 0.0
+        (self.linear * scale_to_one(&self.linear)).determinant() < 0.0
     }
 
     /// Uniform scale factor, if lengths scale equally in all directions (to 10⁻¹²).
     pub fn uniform_scale(&self) -> Option<f64> {
         // Squares neither overflow nor underflow.
-        let DMat3 { x_axis, y_axis, z_axis } = self.linear;
-        let factor = power_of_two_scale(x_axis.abs().max(y_axis.abs()).max(z_axis.abs()));
+        let factor = scale_to_one(&self.linear);
         let linear = self.linear * factor;
         let gram = linear.transpose() * linear;
         let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
@@ -310,8 +312,15 @@ fn absolute(m: &DMat3) -> DMat3 {
     DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
+/// Power of two that scales the largest component to about 1, if it is extreme.
+fn scale_to_one(DMat3 { x_axis, y_axis, z_axis }: &DMat3) -> f64 {
+    power_of_two_scale(x_axis.abs().max(y_axis.abs()).max(z_axis.abs()))
+}
+
 fn frobenius(m: &DMat3) -> f64 {
-    (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt()
+    let factor = scale_to_one(m);
+    let scaled = *m * factor;
+    (scaled.x_axis.length_squared() + scaled.y_axis.length_squared() + scaled.z_axis.length_squared()).sqrt() / factor
 }
 
 #[cfg(test)]
@@ -378,6 +387,19 @@ mod tests {
             let ray = Ray::new(o, d);
             prop_assert!((t.point(t.inverse_ray(&ray).at(at)) - ray.at(at)).length() < 1e-8);
         }
+    }
+
+    /// The product of their factors is no finite number, or zero.
+    #[test]
+    fn extreme_scales_have_an_inverse() {
+        for factor in [1e-300, 1e-107, 1e-50, 1e50, 1e103, 1e300] {
+            let mirrored = DVec3::new(-factor, factor, 2.0 * factor);
+            let scale = Transform::scale(mirrored).expect("factors of one magnitude");
+            assert!((scale.inverse_point(scale.point(DVec3::ONE)) - DVec3::ONE).length() < 1e-15, "{factor}");
+            assert!(scale.flips_handedness() && scale.inverse().flips_handedness(), "{factor}");
+            assert!((scale.condition() - 13.5f64.sqrt()).abs() < 1e-12, "{factor}");
+        }
+        assert!(matches!(Transform::scale(DVec3::splat(5e-324)), Err(TransformError::Singular(_))));
     }
 
     #[test]
