@@ -114,8 +114,7 @@ impl RayStream {
     /// Counts `count` rays that have been written behind the last one, up to the capacity.
     #[inline(always)]
     pub fn grow(&mut self, count: usize) {
-        debug_assert!(self.len + count <= STREAM_CAPACITY, "a stream has {STREAM_CAPACITY} rays");
-        self.len = (self.len + count).min(STREAM_CAPACITY);
+        self.len = self.len.saturating_add(count).min(STREAM_CAPACITY);
     }
 
     /// Appends a ray. Nothing happens if the stream is full.
@@ -208,6 +207,8 @@ mod tests {
             assert_eq!(rays.get(at), (ray(at), span(at)));
             assert_eq!(hits.get(at), (at % 3 > 0).then(|| hit(at)));
         }
+        rays.grow(300);
+        assert_eq!(rays.len(), STREAM_CAPACITY, "counted up to the capacity");
         rays.clear();
         assert!(rays.is_empty());
     }
