@@ -141,6 +141,8 @@ def test_a_target_error_ends_at_4096_samples_by_default(scene):
 def test_tables_hold_the_samples_that_were_rendered(scene):
     (row,) = rt.converge(scene, spp=(3,), reference_spp=4, seeds=1, size=(8, 8))
     assert row.spp == rt.render(scene, spp=3, size=(8, 8)).samples_per_pixel == 4
+    # The size is read once, although several images have it.
+    assert rt.converge(scene, spp=(1,), reference_spp=1, seeds=2, size=iter((8, 8)))
     for options, message in [
         ({"spp": (1.5,)}, "spp must be an integer"),
         ({"spp": ()}, "spp must hold"),

@@ -281,6 +281,8 @@ def converge(
     if not spp:
         raise ValueError("spp must hold a number of samples")
     seeds = _arrays.integer("seeds", seeds, 1, most)
+    # Each image needs it: an iterator would be empty after the first one.
+    options["size"] = _optional(_size, "size", options.get("size"))
     first_seed = options.pop("seed", None)
     first_seed = 0 if first_seed is None else _arrays.integer("seed", first_seed, 0, 2**64 - 1)
     if first_seed + seeds >= 2**64:
