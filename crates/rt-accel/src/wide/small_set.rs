@@ -74,11 +74,7 @@ impl SmallSet {
     }
 
     /// The primitives with what batches need of them, in a buffer.
-    fn entries<'b, P: Primitives>(
-        &self,
-        primitives: &P,
-        buffer: &'b mut [SetEntry; Self::CAPACITY],
-    ) -> &'b [SetEntry] {
+    fn entries<'b, P: Primitives>(&self, primitives: &P, buffer: &'b mut [SetEntry; Self::CAPACITY]) -> &'b [SetEntry] {
         for (entry, &index) in buffer.iter_mut().zip(self.indices()) {
             *entry = SetEntry::new(primitives, index);
         }
