@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn hdr_images_beside_the_longest_compressed_scanline_are_read_back() {
+    fn hdr_images_with_scanlines_of_about_the_longest_compressed_length_are_read_back() {
         for width in [LONGEST_SCANLINE, LONGEST_SCANLINE + 1, LONGEST_SCANLINE + 2] {
             let image = film_by_index(width, 2, false, |index| [(index % 7) as f32, (index % 256) as f32, 0.5]);
             let read = read_back(&image, ImageFormat::Hdr);

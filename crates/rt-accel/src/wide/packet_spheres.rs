@@ -272,8 +272,7 @@ mod tests {
         }
     }
 
-    /// Rays that start near and far, outside, inside and on the surface, that pass the rim, and spans that begin and end anywhere or on
-    /// the surface.
+    /// Rays that start anywhere or on the surface, and that may pass the rim. Spans, too, begin and end anywhere or on the surface.
     fn random_rays(sphere: &SphereKernel, seed: u64) -> Rays {
         core::array::from_fn(|lane| {
             let number = |part: u64| unit(hash(&[seed, lane as u64, part]));

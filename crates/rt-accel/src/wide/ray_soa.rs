@@ -14,7 +14,7 @@ pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
 pub(super) struct RaySoa8<S: Simd> {
     pub(super) origin: [F64x8<S>; 3],
     pub(super) direction: [F64x8<S>; 3],
-    /// Equals [`SlabRay::inverse`](rt_math::SlabRay), if it was asked for.
+    /// Equals [`SlabRay::inverse`](rt_math::SlabRay), unless it was left out by [`load`](Self::load).
     pub(super) inverse: [F64x8<S>; 3],
     pub(super) min: F64x8<S>,
     pub(super) max: F64x8<S>,
