@@ -5,14 +5,13 @@
 //!
 //! A hit counts if the ray hits the padded bounds, and its `t` is raised to their entry
 //! ([`intersect_primitive`](rt_geometry::intersect_primitive)). Both are without effect on rays that start [near](SpherePacket::is_near).
-//! With R the largest coordinate of the bounds, such an origin is at most 33√3 R ≈ 57 R from the centre. The computed hit is at most a
-//! few times this distance times 12 roundings off the sphere, which is below 2⁻⁴² R. So is the rounding of the slab test. The padding is
+//! With R the largest coordinate of the bounds, such an origin is at most 33√3 R < 58 R from the centre. The computed hit is off the sphere
+//! by less than 20 roundings of this distance, which are less than 2⁻⁴² R. The slab test rounds by less than 2⁻⁴² R, too. The padding is
 //! 2⁻⁴⁰ R.
 //!
-//! For other rays: the slab test is monotone in the box. So let `t` lie
-//! between entry into and exit from a smaller box within the padded bounds. Then these are hit as well, and entered at
-//! `t` or before. The tight bounds widened by half the padding ([`INNER_PAD`]) are such a box. Where that test fails,
-//! the scalar test resolves the ray.
+//! For other rays: the slab test is monotone in the box. So let `t` lie between entry into and exit from a smaller box
+//! within the padded bounds. Then these are hit as well, and entered at `t` or before. The tight bounds widened by half
+//! the padding ([`INNER_PAD`]) are such a box. Where that test fails, the scalar test resolves the ray.
 
 use rt_geometry::SphereKernel;
 
@@ -20,11 +19,11 @@ use super::f64x8::{F64x8, PACKET, dot, max_abs, sub3};
 use super::ray_soa::{INNER_PAD, PacketHit, RaySoa8};
 use super::simd::Simd;
 
-/// Bound on the rounding of squared distances from the centre, in the scalar test too: relative to those of the origin and
-/// of the surface. A few dozen roundings are twice as much.
+/// Bound on the rounding of squared distances from the centre, relative to the sum of those of the origin and of the surface. It is
+/// more than twice the roundings of these tests and of the scalar one together.
 const SLACK: f64 = 64.0 * f64::EPSILON;
 
-/// Distance of [near](SpherePacket::is_near) origins from that of the world, relative to the largest coordinate of the bounds.
+/// Largest coordinate of [near](SpherePacket::is_near) origins, relative to that of the bounds.
 const NEAR: f64 = 32.0;
 
 /// A sphere for each of eight rays.
@@ -153,7 +152,7 @@ impl<S: Simd> SpherePacket<S> {
         [hit, 0xff & !(hit | miss)]
     }
 
-    /// Rays that start near the sphere and the origin of the world, seen from afar.
+    /// Rays whose hits are within the padded bounds without a test.
     #[inline(always)]
     fn is_near(&self, simd: S, rays: &RaySoa8<S>) -> u32 {
         max_abs(simd, rays.origin).le(simd, self.reach(simd).mul(simd, F64x8::splat(simd, NEAR)))
