@@ -71,6 +71,7 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
     let medium = medium.map(|medium| medium.name.clone());
+    let fields = scene.camera_fields.get(options.camera).cloned().unwrap_or_default();
 
     let failed = |error: std::io::Error| CliError::Server(SocketAddr::new(args.bind, args.port), error);
     let listener = TcpListener::bind((args.bind, args.port)).map_err(failed)?;
@@ -84,6 +85,7 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
         files: EncodedImages::default(),
         name: scene.name.clone(),
         medium,
+        fields,
         size,
         spp,
     });

@@ -179,6 +179,53 @@ fn commands_move_the_camera_and_its_text_renders_the_same() {
     view.assert_shows("scene.ron", "--spp 4");
 }
 
+/// A scene with the copied camera renders what the page shows. Returns the text.
+fn assert_copied_camera_renders_the_same(scene: &str, camera: &str, options: &str) -> String {
+    assert!(scene.contains(camera));
+    let view = ViewServer::start(scene, options);
+    let text = view.get("camera").text();
+    view.place.write("pasted.ron", scene.replace(camera, &text));
+    view.assert_shows("pasted.ron", options);
+    text
+}
+
+#[test]
+fn a_copied_camera_keeps_the_shutter_of_its_scene() {
+    let scene = |cameras: &str| {
+        format!(
+            "({cameras} film: (size: (60, 40)), lights: [directional(direction: (0, 0, -1))],
+            nodes: [(shape: sphere(radius: 0.5), animation: (keys: [(time: 0), (time: 1, transform: [translate(24, 0, 0)])]))])"
+        )
+    };
+    let check = |shutter: &str| {
+        let camera = format!("camera: (look_from: (0, 0, 5){shutter}),");
+        for options in ["--spp 16", "--spp 16 --at-time 0.02"] {
+            let text = assert_copied_camera_renders_the_same(&scene(&camera), &camera, options);
+            assert!(text.contains(shutter.trim_start_matches(", ")), "{text}");
+        }
+    };
+    check(", shutter: (0.0, 0.5)");
+    check(", shutter: (0.0, 1.0)");
+    check(", shutter: (0.25, 0.75)");
+    check("");
+
+    // Both shutters are relative to their common interval, from 0 to 0.5.
+    let camera = r#"(name: "b", look_from: (0, 0, 5), shutter: (0, 0.25)),"#;
+    let cameras = format!(r#"cameras: [(name: "a", look_from: (0, 0, 9), shutter: (0, 0.5)), {camera}],"#);
+    let view = ViewServer::start(&scene(&cameras), "--spp 16 --camera b");
+    let text = view.get("camera").text();
+    assert!(text.contains("shutter: (0.0, 0.25)"), "{text}");
+    view.place.write("pasted.ron", scene(&format!("{text} {cameras}")));
+    let (_, shown) = view.finished();
+    view.place.succeed("render pasted.ron --spp 16 --time 1h -o expected.png");
+    assert!(shown == view.place.read("expected.png"), "{text}");
+    assert!(view.place.read("pasted.ron").starts_with(b"(camera: ("));
+
+    let plain = "camera: (look_from: (0, 0, 5)),";
+    let text = assert_copied_camera_renders_the_same(&scene(plain), plain, "--spp 16 --shutter 0,0.5");
+    assert!(text.contains("shutter: (0.0, 0.5)"), "{text}");
+}
+
 #[test]
 fn a_pick_returns_the_surface() {
     let view = ViewServer::start(SPHERES, "--spp 1");

@@ -8,11 +8,19 @@ use rt_scene_io::format::{self, Step};
 
 use super::pose::Pose;
 
-/// Field `camera` of a scene file for a static camera in this pose. Reading it gives a bit-identical camera, except for
-/// angles without an exact number of degrees.
-pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option<&str>) -> String {
+/// Field `camera` of a scene file for a camera in this pose. Reading it gives a bit-identical camera, except for angles without an
+/// exact number of degrees.
+///
+/// `fields` are those of the camera in its scene file. The shutter is taken from them: that of `settings` is relative to the common
+/// interval of all cameras.
+pub(super) fn camera_text(
+    pose: &Pose,
+    settings: &CameraSettings,
+    medium: Option<&str>,
+    fields: &format::Camera,
+) -> String {
     let mut camera = format::Camera {
-        shutter: Some((settings.shutter[0], settings.shutter[1])).filter(|&shutter| shutter != (0.0, 1.0)),
+        shutter: fields.shutter,
         lens_shift: settings.lens_shift.to_array(),
         lens: settings.lens.as_ref().map(lens),
         medium: medium.map(str::to_owned),
@@ -100,9 +108,8 @@ mod tests {
                 let lens = Lens { radius: 0.1, focus: 7.3, blades: Some(5), rotation: 12f64.to_radians() };
                 let blurred = CameraSettings { lens: Some(lens), lens_shift: DVec2::new(0.1, 0.0), ..perspective };
                 let parallel = settings(&pose, Projection::Orthographic { height: 1.0 / 7.0 });
-                let glimpse = CameraSettings { shutter: [0.5, 0.5], ..parallel };
-                for camera in [perspective, blurred, parallel, glimpse] {
-                    let text = camera_text(&pose, &camera, None);
+                for camera in [perspective, blurred, parallel] {
+                    let text = camera_text(&pose, &camera, None, &format::Camera::default());
                     assert_eq!(read_again(&text), camera, "pose {index}: {text}");
                 }
             }
@@ -114,7 +121,10 @@ mod tests {
         let pose = Pose { eye: DVec3::new(0.0, 1.0, 6.0), target: DVec3::ZERO, ..POSE };
         let camera = settings(&pose, Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical });
         let expected = "camera: (\n    look_from: (0.0, 1.0, 6.0),\n    look_at: (0.0, 0.0, 0.0),\n    fov: 40.0,\n),";
-        assert_eq!(camera_text(&pose, &camera, None), expected);
-        assert!(camera_text(&pose, &camera, Some("water")).contains("medium: \"water\""));
+        let fields = format::Camera::default();
+        assert_eq!(camera_text(&pose, &camera, None, &fields), expected);
+        assert!(camera_text(&pose, &camera, Some("water"), &fields).contains("medium: \"water\""));
+        let fields = format::Camera { shutter: Some((0.0, 1.0)), ..fields };
+        assert!(camera_text(&pose, &camera, None, &fields).contains("shutter: (0.0, 1.0)"));
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use rt_camera::FilmSettings;
 use rt_image::ImageFormat;
-use rt_scene_io::{Integrator, limits};
+use rt_scene_io::{Integrator, format, limits};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -37,6 +37,8 @@ pub(super) struct Session {
     pub(super) name: String,
     /// Name of the medium around the camera.
     pub(super) medium: Option<String>,
+    /// Fields of the camera in the scene file.
+    pub(super) fields: format::Camera,
     pub(super) size: [u32; 2],
     pub(super) spp: u32,
 }
@@ -100,7 +102,7 @@ impl Session {
 
     fn camera(&self) -> String {
         let controller = self.shared.lock().controller;
-        camera_text(controller.pose(), controller.camera(), self.medium.as_deref())
+        camera_text(controller.pose(), controller.camera(), self.medium.as_deref(), &self.fields)
     }
 
     /// A line of JSON, and the bytes of a PNG if there is a later version than `after`. Of the errors, the page has `errors` if
