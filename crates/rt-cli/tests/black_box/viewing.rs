@@ -430,6 +430,35 @@ fn connections_that_say_nothing_leave_room_for_others() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn idle_connections_do_not_add_threads_without_bound() {
+    let view = ViewServer::start(SPHERES, "--spp 1");
+    view.finished();
+    let threads = || {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", view.program.id())).expect("it runs");
+        tasks.count()
+    };
+    let before = threads();
+    let port: u16 = view.url.split([':', '/']).nth(4).and_then(|port| port.parse().ok()).expect("a port");
+    let mut most = 0;
+    let silent: Vec<_> = (0..600)
+        .map(|_| {
+            let connection = std::net::TcpStream::connect(("127.0.0.1", port)).expect("connected");
+            most = most.max(threads());
+            connection
+        })
+        .collect();
+    // 64 connections and 8 refusals.
+    assert!(most <= before + 72, "{most} threads for {} connections, {before} before", silent.len());
+    drop(silent);
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while !view.is_reachable() {
+        assert!(Instant::now() < deadline, "closed connections still count");
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
 fn what_is_bound_to_the_network_is_said_aloud() {
     let place = Workplace::with_scene();
     let mut command = place.command("view scene.ron --no-open --bind 0.0.0.0");
