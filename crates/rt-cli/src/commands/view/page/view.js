@@ -362,7 +362,8 @@ function fly(now) {
   requestAnimationFrame(fly);
 }
 
-const KEYS = {
+/** Actions by the letter on the key. */
+const ACTIONS = {
   arrowleft: () => sendCamera({ orbit: [ARROW, 0] }),
   arrowright: () => sendCamera({ orbit: [-ARROW, 0] }),
   arrowup: () => sendCamera({ orbit: [0, ARROW] }),
@@ -377,10 +378,23 @@ const KEYS = {
   "?": () => get("help").showModal(),
 };
 
+/** Action of a key. Keys without a Latin letter, as on a Cyrillic keyboard, have that of their place. */
+function actionOf({ key, code }) {
+  const isLatin = /^[a-z]$/i.test(key);
+  return ACTIONS[key.toLowerCase()] ?? (isLatin ? undefined : ACTIONS[code.replace("Key", "").toLowerCase()]);
+}
+
 addEventListener("keydown", (event) => {
   isFast = event.shiftKey;
   const isControl = event.target.closest("select, input, textarea, dialog") !== null;
   if (isControl || event.ctrlKey || event.metaKey || event.altKey) return;
+  // The letter of an action comes before the place of flight: where they differ, a key does what its letter says.
+  const action = actionOf(event);
+  if (action) {
+    action();
+    event.preventDefault();
+    return;
+  }
   if (event.code in FLIGHT) {
     const isFirst = held.size === 0;
     held.add(event.code);
@@ -390,12 +404,6 @@ addEventListener("keydown", (event) => {
       flown = now - 16;
       fly(now);
     }
-    event.preventDefault();
-    return;
-  }
-  const action = KEYS[event.key.toLowerCase()];
-  if (action) {
-    action();
     event.preventDefault();
   }
 });
