@@ -64,6 +64,11 @@ const BALL: &str =
     "(camera: (look_from: (0, 0, 5)), film: (size: (80, 60)), settings: (spp: 1), nodes: [(shape: sphere())])";
 
 #[test]
+fn the_resolution_menu_follows_the_server() {
+    run_script("resolution", || ViewServer::start(BALL, ""));
+}
+
+#[test]
 fn keys_work_on_other_keyboard_layouts() {
     run_script("layouts", || ViewServer::start(BALL, ""));
 }

@@ -70,6 +70,7 @@ fn settings_show_what_render_writes_with_the_same_options() {
         view.assert_shows("scene.ron", options);
     }
     let (state, _) = view.finished();
+    assert_eq!(state["wanted_size"], json!([50, 61]));
     for refused in [
         json!({ "integrator": "none" }),
         json!({ "tone": "none" }),
@@ -85,7 +86,9 @@ fn settings_show_what_render_writes_with_the_same_options() {
     ] {
         assert_eq!(view.request("POST", "settings", &refused.to_string()).status, 400, "{refused}");
     }
-    assert_eq!(view.finished().0["max_spp"], state["max_spp"], "what is refused changes nothing");
+    for field in ["max_spp", "wanted_size"] {
+        assert_eq!(view.finished().0[field], state[field], "what is refused changes nothing");
+    }
 }
 
 #[test]

@@ -122,6 +122,7 @@ impl Session {
             "view": image.view,
             "spp": image.spp,
             "max_spp": view.max_spp,
+            "wanted_size": view.size,
             "mega_rays_per_second": image.mega_rays_per_second,
             "seconds": image.seconds,
             "is_finished": is_finished,

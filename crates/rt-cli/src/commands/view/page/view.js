@@ -138,6 +138,7 @@ function show(next) {
   select("integrator", next.integrator);
   select("tone", next.tone);
   select("spp", String(next.max_spp));
+  showSize(next.wanted_size);
   get("exposure").value = next.exposure;
   get("exposure-value").textContent = stops(next.exposure);
 }
@@ -195,18 +196,42 @@ async function start() {
   return info;
 }
 
-function wantedSize() {
-  const choice = get("size").value;
+const isSameSize = (a, b) => a[0] === b[0] && a[1] === b[1];
+/** Last size that this page has chosen, or has found to be that of its choice. */
+let chosenSize = null;
+
+/** Size of a choice in the menu; undefined for a size that another page has chosen. */
+function sizeOf(choice) {
   if (choice === "scene") return session.size;
+  if (choice === "other") return undefined;
   const scale = devicePixelRatio * (choice === "half" ? 0.5 : 1);
   const stage = get("stage");
   return [stage.clientWidth, stage.clientHeight].map((length) => Math.max(16, Math.round(length * scale)));
 }
 
+function sendSize() {
+  const size = sizeOf(get("size").value);
+  if (size === undefined) return;
+  chosenSize = size;
+  sendSettings({ size });
+}
+
+/** Shows the size of the server. The choice stays while its size is that of the server, also during a resize of the window. */
+function showSize(size) {
+  if (chosenSize && isSameSize(size, chosenSize)) return;
+  const list = get("size");
+  const other = list.querySelector("[value=other]");
+  const choice = ["scene", "window", "half"].find((choice) => isSameSize(size, sizeOf(choice)));
+  chosenSize = choice ? size : null;
+  other.text = size.join(" × ");
+  other.hidden = choice !== undefined;
+  list.value = choice ?? "other";
+}
+
 get("integrator").addEventListener("change", (event) => sendSettings({ integrator: event.target.value }));
 get("tone").addEventListener("change", (event) => sendSettings({ tone: event.target.value }));
 get("spp").addEventListener("change", (event) => sendSettings({ spp: Number(event.target.value) }));
-get("size").addEventListener("change", () => sendSettings({ size: wantedSize() }));
+get("size").addEventListener("change", sendSize);
 get("exposure").addEventListener("input", (event) => {
   get("exposure-value").textContent = stops(event.target.value);
   sendSettings({ exposure: Number(event.target.value) });
@@ -222,7 +247,7 @@ addEventListener("resize", () => {
   clearTimeout(resizeEnd);
   resizeEnd = setTimeout(() => {
     plot();
-    if (session && get("size").value !== "scene") sendSettings({ size: wantedSize() });
+    if (session && get("size").value !== "scene") sendSize();
   }, 200);
 });
 
