@@ -230,6 +230,46 @@ fn a_copied_camera_keeps_the_shutter_of_its_scene() {
 }
 
 #[test]
+fn a_copied_camera_keeps_its_motion_until_it_is_moved() {
+    let scene = |camera: &str| {
+        format!(
+            "({camera} film: (size: (60, 40)), lights: [directional(direction: (0, 0, -1))], nodes: [(shape: sphere(radius: 0.5))])"
+        )
+    };
+    let check = |camera: &str, options: &str, expected: &str| {
+        let text = assert_copied_camera_renders_the_same(&scene(camera), camera, options);
+        assert!(text.contains(expected), "{expected}: {text}");
+    };
+    let moving = "camera: (transform: [translate(0, 0, 5)], motion: [translate(1, 0, 5)]),";
+    check(moving, "--spp 16", "motion: [translate(1.0, 0.0, 5.0)]");
+    check(moving, "--spp 16 --at-time 0 --shutter 0.25,0.5", "shutter: (0.25, 0.5)");
+    check(moving, "--spp 16 --fov 25", "fov: 25.0");
+    check(moving, "--spp 16 --look-from 1,2,4", "look_from: (1.0, 2.0, 4.0)");
+    let animated = "camera: (shutter: (0, 1), animation: (keys: [(time: 0, look_from: (0, 0, 5)), (time: 1, look_from: (9, 0, 5), fov: 30)])),";
+    check(animated, "--spp 16", "(time: 1.0, look_from: (9.0, 0.0, 5.0), fov: 30.0)");
+    check(animated, "--spp 16 --at-time 0.5 --fov 25", "fov: 25.0");
+    // Position and target of the pose are rounded.
+    check("camera: (look_from: (3, 2, 4.1), up: (0.1, 1, 0.3)),", "--spp 16", "up: (0.1, 1.0, 0.3)");
+    let aside = "camera: (look_from: (3, 2, 4.1)),";
+    check(aside, "--spp 16 --look-at 0.1,0.2,0.3 --up 0.1,1,0.3", "look_at: (0.1, 0.2, 0.3)");
+    for options in ["--up 0.1,1,0.3", "--look-at 0.1,0.2,0.3", "--look-from 1.7,2,4"] {
+        let view = ViewServer::start(&scene(aside), &format!("--spp 16 {options}"));
+        view.place.write("pasted.ron", scene(&view.get("camera").text()));
+        view.assert_shows("pasted.ron", "--spp 16");
+    }
+
+    let view = ViewServer::start(&scene(moving), "--spp 16");
+    let unmoved = view.get("camera").text();
+    view.post("camera", &json!({ "orbit": [0.1, 0.05] }).to_string());
+    let text = view.get("camera").text();
+    assert!(!text.contains("motion"), "{text}");
+    view.place.write("pasted.ron", scene(&text));
+    view.assert_shows("pasted.ron", "--spp 16");
+    view.post("camera", &json!({ "reset": null }).to_string());
+    assert_eq!(view.get("camera").text(), unmoved);
+}
+
+#[test]
 fn a_pick_returns_the_surface() {
     let view = ViewServer::start(SPHERES, "--spp 1");
     view.finished();
