@@ -410,6 +410,9 @@ pub struct Scene {
     pub name: String,
     /// At least one camera; the first is the default.
     pub cameras: Vec<NamedCamera>,
+    /// Fields of a scene file for each of the cameras, with options and defaults applied. Empty for a scene made in code.
+    #[cfg(feature = "format")]
+    pub camera_fields: Vec<crate::format::Camera>,
     /// The image.
     pub film: FilmSettings,
     /// Render settings.

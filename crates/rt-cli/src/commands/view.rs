@@ -26,9 +26,9 @@ use std::thread;
 use rt_camera::{Camera, CameraSettings};
 use rt_image::Development;
 use rt_render::RenderPlan;
-use rt_scene_io::Scene;
+use rt_scene_io::{Scene, format};
 
-use crate::args::BrowserArgs;
+use crate::args::{BrowserArgs, ViewArgs};
 use crate::console::Console;
 use crate::error::{CliError, usage};
 use crate::input::{self, Input};
@@ -36,6 +36,7 @@ use crate::{memory, settings, signals};
 
 use access::Access;
 use camera_controller::CameraController;
+use camera_text::fields_without_position;
 use encoded_images::EncodedImages;
 use frame_budget::FrameBudget;
 use render_thread::Renderer;
@@ -71,6 +72,8 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
     let medium = medium.map(|medium| medium.name.clone());
+    let fields =
+        camera_fields(&args.image.view, scene.camera_fields.get(options.camera), &named.settings, medium.as_deref());
 
     let failed = |error: std::io::Error| CliError::Server(SocketAddr::new(args.bind, args.port), error);
     let listener = TcpListener::bind((args.bind, args.port)).map_err(failed)?;
@@ -84,6 +87,7 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
         files: EncodedImages::default(),
         name: scene.name.clone(),
         medium,
+        fields,
         size,
         spp,
     });
@@ -142,6 +146,29 @@ fn refuse_what_is_for_render(args: &BrowserArgs) -> Result<(), CliError> {
         Some((option, _)) => usage(format!("{option} is not supported by `view`; remove it, or use `render`")),
         None => Ok(()),
     }
+}
+
+/// Fields that describe the camera in a scene file, with the options applied. They have no position if it is not known exactly.
+fn camera_fields(
+    args: &ViewArgs,
+    of_scene: Option<&format::Camera>,
+    settings: &CameraSettings,
+    medium: Option<&str>,
+) -> format::Camera {
+    let mut fields = of_scene.cloned().unwrap_or_default();
+    if args.look_from.is_some() || args.look_at.is_some() || args.up.is_some() {
+        return format::Camera {
+            look_from: args.look_at.map(|_| settings.world_from_camera.translation().to_array()),
+            look_at: args.look_at.map(|target| target.to_array()),
+            up: args.look_at.and(args.up).map(|up| up.to_array()),
+            ..fields_without_position(settings, medium, fields.shutter)
+        };
+    }
+    if args.fov.is_some() {
+        fields.fov = args.fov;
+        fields.animation.iter_mut().flat_map(|animation| &mut animation.keys).for_each(|key| key.fov = None);
+    }
+    fields
 }
 
 /// Distance of the camera's target in world units. The target is the surface in the middle of the image, or else the middle of the

@@ -40,20 +40,44 @@ fn node() -> Option<Command> {
     resolved.status.success().then(node)
 }
 
-#[test]
-fn a_browser_shows_renders_picks_and_saves() {
-    let Some(chromium) = program(&CHROMIUM) else { return rt_tests::skip("there is no Chromium") };
-    let Some(mut node) = node() else { return rt_tests::skip("there is no Node.js with playwright-core") };
-    let screenshots = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view_browser");
-    let _ = fs::remove_dir_all(&screenshots);
-    fs::create_dir_all(&screenshots).expect("a folder");
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/lecture/cornell.ron");
-    let view = ViewServer::start_in(Workplace::new(), &format!("{scene} {OPTIONS}"));
-
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/view_browser/view.cjs");
-    let run = node.arg(script).arg(&view.url).arg(&chromium).arg(&screenshots).output().expect("it starts");
+/// Runs a script of the folder `view_browser` with a view and a folder of its own. `None` if the programs for it are missing.
+fn run_script(name: &str, start: impl FnOnce() -> ViewServer) -> Option<(ViewServer, PathBuf)> {
+    let skip = |reason: &str| {
+        rt_tests::skip(reason);
+        None
+    };
+    let Some(chromium) = program(&CHROMIUM) else { return skip("there is no Chromium") };
+    let Some(mut node) = node() else { return skip("there is no Node.js with playwright-core") };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view_browser").join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    let view = start();
+    let script = format!("{}/tests/view_browser/{name}.cjs", env!("CARGO_MANIFEST_DIR"));
+    let run = node.arg(script).arg(&view.url).arg(&chromium).arg(&folder).output().expect("it starts");
     let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
     assert!(run.status.success(), "{said}");
+    Some((view, folder))
+}
+
+/// A ball that renders at once.
+const BALL: &str =
+    "(camera: (look_from: (0, 0, 5)), film: (size: (80, 60)), settings: (spp: 1), nodes: [(shape: sphere())])";
+
+#[test]
+fn the_resolution_menu_follows_the_server() {
+    run_script("resolution", || ViewServer::start(BALL, ""));
+}
+
+#[test]
+fn keys_work_on_other_keyboard_layouts() {
+    run_script("layouts", || ViewServer::start(BALL, ""));
+}
+
+#[test]
+fn a_browser_shows_renders_picks_and_saves() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/lecture/cornell.ron");
+    let view = || ViewServer::start_in(Workplace::new(), &format!("{scene} {OPTIONS}"));
+    let Some((view, screenshots)) = run_script("view", view) else { return };
 
     for name in ["expected.png", "expected.exr"] {
         view.place.succeed(&format!("render {scene} {OPTIONS} --time 1h -o {name}"));

@@ -93,6 +93,16 @@ impl ViewServer {
         self.request("GET", path, "")
     }
 
+    /// True if the page is served, false if the connection is refused or closed.
+    pub(crate) fn is_reachable(&self) -> bool {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        let request = format!("GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", self.page);
+        let mut received = Vec::new();
+        let is_answered = stream.write_all(request.as_bytes()).and_then(|()| stream.read_to_end(&mut received)).is_ok();
+        is_answered && received.starts_with(b"HTTP/1.1 200")
+    }
+
     pub(crate) fn post(&self, path: &str, body: &str) -> Value {
         self.request("POST", path, body).json()
     }

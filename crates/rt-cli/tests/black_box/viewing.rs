@@ -70,6 +70,7 @@ fn settings_show_what_render_writes_with_the_same_options() {
         view.assert_shows("scene.ron", options);
     }
     let (state, _) = view.finished();
+    assert_eq!(state["wanted_size"], json!([50, 61]));
     for refused in [
         json!({ "integrator": "none" }),
         json!({ "tone": "none" }),
@@ -85,7 +86,9 @@ fn settings_show_what_render_writes_with_the_same_options() {
     ] {
         assert_eq!(view.request("POST", "settings", &refused.to_string()).status, 400, "{refused}");
     }
-    assert_eq!(view.finished().0["max_spp"], state["max_spp"], "what is refused changes nothing");
+    for field in ["max_spp", "wanted_size"] {
+        assert_eq!(view.finished().0[field], state[field], "what is refused changes nothing");
+    }
 }
 
 #[test]
@@ -177,6 +180,93 @@ fn commands_move_the_camera_and_its_text_renders_the_same() {
     view.post("camera", &json!({ "reset": null }).to_string());
     assert_eq!(paste_camera(&view), texts[0]);
     view.assert_shows("scene.ron", "--spp 4");
+}
+
+/// A scene with the copied camera renders what the page shows. Returns the text.
+fn assert_copied_camera_renders_the_same(scene: &str, camera: &str, options: &str) -> String {
+    assert!(scene.contains(camera));
+    let view = ViewServer::start(scene, options);
+    let text = view.get("camera").text();
+    view.place.write("pasted.ron", scene.replace(camera, &text));
+    view.assert_shows("pasted.ron", options);
+    text
+}
+
+#[test]
+fn a_copied_camera_keeps_the_shutter_of_its_scene() {
+    let scene = |cameras: &str| {
+        format!(
+            "({cameras} film: (size: (60, 40)), lights: [directional(direction: (0, 0, -1))],
+            nodes: [(shape: sphere(radius: 0.5), animation: (keys: [(time: 0), (time: 1, transform: [translate(24, 0, 0)])]))])"
+        )
+    };
+    let check = |shutter: &str| {
+        let camera = format!("camera: (look_from: (0, 0, 5){shutter}),");
+        for options in ["--spp 16", "--spp 16 --at-time 0.02"] {
+            let text = assert_copied_camera_renders_the_same(&scene(&camera), &camera, options);
+            assert!(text.contains(shutter.trim_start_matches(", ")), "{text}");
+        }
+    };
+    check(", shutter: (0.0, 0.5)");
+    check(", shutter: (0.0, 1.0)");
+    check(", shutter: (0.25, 0.75)");
+    check("");
+
+    // Both shutters are relative to their common interval, from 0 to 0.5.
+    let camera = r#"(name: "b", look_from: (0, 0, 5), shutter: (0, 0.25)),"#;
+    let cameras = format!(r#"cameras: [(name: "a", look_from: (0, 0, 9), shutter: (0, 0.5)), {camera}],"#);
+    let view = ViewServer::start(&scene(&cameras), "--spp 16 --camera b");
+    let text = view.get("camera").text();
+    assert!(text.contains("shutter: (0.0, 0.25)"), "{text}");
+    view.place.write("pasted.ron", scene(&format!("{text} {cameras}")));
+    let (_, shown) = view.finished();
+    view.place.succeed("render pasted.ron --spp 16 --time 1h -o expected.png");
+    assert!(shown == view.place.read("expected.png"), "{text}");
+    assert!(view.place.read("pasted.ron").starts_with(b"(camera: ("));
+
+    let plain = "camera: (look_from: (0, 0, 5)),";
+    let text = assert_copied_camera_renders_the_same(&scene(plain), plain, "--spp 16 --shutter 0,0.5");
+    assert!(text.contains("shutter: (0.0, 0.5)"), "{text}");
+}
+
+#[test]
+fn a_copied_camera_keeps_its_motion_until_it_is_moved() {
+    let scene = |camera: &str| {
+        format!(
+            "({camera} film: (size: (60, 40)), lights: [directional(direction: (0, 0, -1))], nodes: [(shape: sphere(radius: 0.5))])"
+        )
+    };
+    let check = |camera: &str, options: &str, expected: &str| {
+        let text = assert_copied_camera_renders_the_same(&scene(camera), camera, options);
+        assert!(text.contains(expected), "{expected}: {text}");
+    };
+    let moving = "camera: (transform: [translate(0, 0, 5)], motion: [translate(1, 0, 5)]),";
+    check(moving, "--spp 16", "motion: [translate(1.0, 0.0, 5.0)]");
+    check(moving, "--spp 16 --at-time 0 --shutter 0.25,0.5", "shutter: (0.25, 0.5)");
+    check(moving, "--spp 16 --fov 25", "fov: 25.0");
+    check(moving, "--spp 16 --look-from 1,2,4", "look_from: (1.0, 2.0, 4.0)");
+    let animated = "camera: (shutter: (0, 1), animation: (keys: [(time: 0, look_from: (0, 0, 5)), (time: 1, look_from: (9, 0, 5), fov: 30)])),";
+    check(animated, "--spp 16", "(time: 1.0, look_from: (9.0, 0.0, 5.0), fov: 30.0)");
+    check(animated, "--spp 16 --at-time 0.5 --fov 25", "fov: 25.0");
+    // Position and target of the pose are rounded.
+    check("camera: (look_from: (3, 2, 4.1), up: (0.1, 1, 0.3)),", "--spp 16", "up: (0.1, 1.0, 0.3)");
+    let aside = "camera: (look_from: (3, 2, 4.1)),";
+    check(aside, "--spp 16 --look-at 0.1,0.2,0.3 --up 0.1,1,0.3", "look_at: (0.1, 0.2, 0.3)");
+    for options in ["--up 0.1,1,0.3", "--look-at 0.1,0.2,0.3", "--look-from 1.7,2,4"] {
+        let view = ViewServer::start(&scene(aside), &format!("--spp 16 {options}"));
+        view.place.write("pasted.ron", scene(&view.get("camera").text()));
+        view.assert_shows("pasted.ron", "--spp 16");
+    }
+
+    let view = ViewServer::start(&scene(moving), "--spp 16");
+    let unmoved = view.get("camera").text();
+    view.post("camera", &json!({ "orbit": [0.1, 0.05] }).to_string());
+    let text = view.get("camera").text();
+    assert!(!text.contains("motion"), "{text}");
+    view.place.write("pasted.ron", scene(&text));
+    view.assert_shows("pasted.ron", "--spp 16");
+    view.post("camera", &json!({ "reset": null }).to_string());
+    assert_eq!(view.get("camera").text(), unmoved);
 }
 
 #[test]
@@ -377,6 +467,35 @@ fn connections_that_say_nothing_leave_room_for_others() {
     }
     drop(silent);
     while view.get("session").status != 200 {
+        assert!(Instant::now() < deadline, "closed connections still count");
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn idle_connections_do_not_add_threads_without_bound() {
+    let view = ViewServer::start(SPHERES, "--spp 1");
+    view.finished();
+    let threads = || {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", view.program.id())).expect("it runs");
+        tasks.count()
+    };
+    let before = threads();
+    let port: u16 = view.url.split([':', '/']).nth(4).and_then(|port| port.parse().ok()).expect("a port");
+    let mut most = 0;
+    let silent: Vec<_> = (0..600)
+        .map(|_| {
+            let connection = std::net::TcpStream::connect(("127.0.0.1", port)).expect("connected");
+            most = most.max(threads());
+            connection
+        })
+        .collect();
+    // 64 connections and 8 refusals.
+    assert!(most <= before + 72, "{most} threads for {} connections, {before} before", silent.len());
+    drop(silent);
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while !view.is_reachable() {
         assert!(Instant::now() < deadline, "closed connections still count");
         thread::sleep(Duration::from_millis(20));
     }

@@ -89,6 +89,11 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// True if the camera has a position: its own, or that of an animation.
+    pub fn is_placed(&self) -> bool {
+        !self.is_unplaced() || self.animation.as_ref().is_some_and(CameraAnimation::places)
+    }
+
     /// True if no field places the camera itself.
     pub(crate) fn is_unplaced(&self) -> bool {
         let Self { look_from, look_at, up, transform, .. } = self;

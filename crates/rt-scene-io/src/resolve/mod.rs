@@ -106,9 +106,11 @@ pub(crate) fn resolve_with(
     warnings.extend(report.finish()?);
     let appearance = Appearance { materials: materials.list, textures: textures.list, lights, ambient, background };
     let shutter_interval = shutter.part();
+    let camera_fields = fields.cameras.iter().map(|(_, camera)| camera.clone()).collect();
     let scene = Scene {
         name,
         cameras,
+        camera_fields,
         film,
         settings,
         appearance,

@@ -60,6 +60,11 @@ impl CameraController {
         &self.camera
     }
 
+    /// True while no command has moved the camera, and after a reset.
+    pub(super) fn is_at_home(&self) -> bool {
+        self.camera == self.home && self.pose == self.home_pose
+    }
+
     pub(super) const fn pose(&self) -> &Pose {
         &self.pose
     }
@@ -171,11 +176,12 @@ mod tests {
     fn a_moved_camera_stands_still_and_comes_back_to_the_bit() {
         let home = CameraSettings { moves_to: Some(Transform::translate(DVec3::X)), ..*perspective().camera() };
         let mut controller = CameraController::new(home, 4.0).expect("a pose");
-        assert_eq!(controller.camera(), &home);
+        assert!(controller.is_at_home() && controller.camera() == &home);
         controller.apply(&CameraCommand::Orbit(DVec2::new(0.1, 0.2)));
         controller.apply(&CameraCommand::LookAt(DVec3::new(0.3, 0.1, 0.0)));
         assert_eq!((controller.camera().moves_to, controller.pose().target), (None, DVec3::new(0.3, 0.1, 0.0)));
+        assert!(!controller.is_at_home());
         controller.apply(&CameraCommand::Reset);
-        assert_eq!(controller.camera(), &home);
+        assert!(controller.is_at_home() && controller.camera() == &home);
     }
 }

@@ -8,17 +8,26 @@ use rt_scene_io::format::{self, Step};
 
 use super::pose::Pose;
 
-/// Field `camera` of a scene file for a static camera in this pose. Reading it gives a bit-identical camera, except for
-/// angles without an exact number of degrees.
-pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option<&str>) -> String {
-    let mut camera = format::Camera {
-        shutter: Some((settings.shutter[0], settings.shutter[1])).filter(|&shutter| shutter != (0.0, 1.0)),
-        lens_shift: settings.lens_shift.to_array(),
-        lens: settings.lens.as_ref().map(lens),
-        medium: medium.map(str::to_owned),
-        ..format::Camera::default()
-    };
-    match pose.shape.and_then(|_| pose.world_from_camera()) {
+/// Field `camera` of a scene file for a camera that another file describes.
+pub(super) fn file_camera_text(fields: &format::Camera) -> String {
+    // The name may be that of a camera in the list `cameras`.
+    written(&format::Camera { name: None, ..fields.clone() })
+}
+
+/// Field `camera` of a scene file for a static camera in this pose. Reading it gives a bit-identical camera. A comment reports angles
+/// without an exact number of degrees.
+///
+/// `shutter` is that of the scene file. That of `settings` is relative to the common interval of all cameras.
+pub(super) fn camera_text(
+    pose: &Pose,
+    settings: &CameraSettings,
+    medium: Option<&str>,
+    shutter: Option<(f64, f64)>,
+) -> String {
+    let mut camera = fields_without_position(settings, medium, shutter);
+    // The pose of a camera that has not been moved is rounded.
+    let is_exact = pose.shape.is_none() && pose.world_from_camera() == Some(settings.world_from_camera);
+    match Some(settings.world_from_camera).filter(|_| !is_exact) {
         None => {
             camera.look_from = Some(pose.eye.to_array());
             camera.look_at = Some(pose.target.to_array());
@@ -30,6 +39,32 @@ pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option
             camera.transform = vec![Step::Matrix(row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0])];
         }
     }
+    let angles = [
+        ("fov", camera.fov.zip(fov_radians(&settings.projection))),
+        ("rotate", camera.lens.as_ref().zip(settings.lens).map(|(text, lens)| (text.rotate, lens.rotation))),
+    ];
+    let mut text = written(&camera);
+    for (field, angle) in angles {
+        if angle.is_some_and(|(degrees, radians)| degrees.to_radians() != radians) {
+            text += &format!("\n/* `{field}` is rounded: no number of degrees is this angle exactly. */");
+        }
+    }
+    text
+}
+
+/// Fields of a static camera other than its position, direction and `up`.
+pub(super) fn fields_without_position(
+    settings: &CameraSettings,
+    medium: Option<&str>,
+    shutter: Option<(f64, f64)>,
+) -> format::Camera {
+    let mut camera = format::Camera {
+        shutter,
+        lens_shift: settings.lens_shift.to_array(),
+        lens: settings.lens.as_ref().map(lens),
+        medium: medium.map(str::to_owned),
+        ..format::Camera::default()
+    };
     match settings.projection {
         Projection::Perspective { fov, axis } => {
             camera.fov = Some(degrees(fov));
@@ -37,9 +72,20 @@ pub(super) fn camera_text(pose: &Pose, settings: &CameraSettings, medium: Option
         }
         Projection::Orthographic { height } => camera.orthographic = Some(height),
     }
+    camera
+}
+
+const fn fov_radians(projection: &Projection) -> Option<f64> {
+    match projection {
+        Projection::Perspective { fov, .. } => Some(*fov),
+        Projection::Orthographic { .. } => None,
+    }
+}
+
+fn written(camera: &format::Camera) -> String {
     let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
     let layout = PrettyConfig::new().depth_limit(2).new_line("\n").compact_arrays(true);
-    let text = options.to_string_pretty(&camera, layout).unwrap_or_default();
+    let text = options.to_string_pretty(camera, layout).unwrap_or_default();
     format!("camera: {text},")
 }
 
@@ -100,9 +146,8 @@ mod tests {
                 let lens = Lens { radius: 0.1, focus: 7.3, blades: Some(5), rotation: 12f64.to_radians() };
                 let blurred = CameraSettings { lens: Some(lens), lens_shift: DVec2::new(0.1, 0.0), ..perspective };
                 let parallel = settings(&pose, Projection::Orthographic { height: 1.0 / 7.0 });
-                let glimpse = CameraSettings { shutter: [0.5, 0.5], ..parallel };
-                for camera in [perspective, blurred, parallel, glimpse] {
-                    let text = camera_text(&pose, &camera, None);
+                for camera in [perspective, blurred, parallel] {
+                    let text = camera_text(&pose, &camera, None, None);
                     assert_eq!(read_again(&text), camera, "pose {index}: {text}");
                 }
             }
@@ -114,7 +159,26 @@ mod tests {
         let pose = Pose { eye: DVec3::new(0.0, 1.0, 6.0), target: DVec3::ZERO, ..POSE };
         let camera = settings(&pose, Projection::Perspective { fov: 40f64.to_radians(), axis: FovAxis::Vertical });
         let expected = "camera: (\n    look_from: (0.0, 1.0, 6.0),\n    look_at: (0.0, 0.0, 0.0),\n    fov: 40.0,\n),";
-        assert_eq!(camera_text(&pose, &camera, None), expected);
-        assert!(camera_text(&pose, &camera, Some("water")).contains("medium: \"water\""));
+        assert_eq!(camera_text(&pose, &camera, None, None), expected);
+        assert!(camera_text(&pose, &camera, Some("water"), None).contains("medium: \"water\""));
+        assert!(camera_text(&pose, &camera, None, Some((0.0, 1.0))).contains("shutter: (0.0, 1.0)"));
+    }
+
+    #[test]
+    fn rounded_angles_are_reported() {
+        let mut rounded = 0;
+        for step in 1..1000 {
+            let fov = 0.001 * f64::from(step);
+            let text = camera_text(
+                &POSE,
+                &settings(&POSE, Projection::Perspective { fov, axis: FovAxis::Vertical }),
+                None,
+                None,
+            );
+            let is_same = read_again(&text).projection == Projection::Perspective { fov, axis: FovAxis::Vertical };
+            assert_eq!(is_same, !text.contains("/* `fov` is rounded"), "{text}");
+            rounded += usize::from(!is_same);
+        }
+        assert!(rounded > 0, "each angle has an exact number of degrees");
     }
 }

@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use rt_camera::FilmSettings;
 use rt_image::ImageFormat;
-use rt_scene_io::{Integrator, limits};
+use rt_scene_io::{Integrator, format, limits};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::access::Access;
 use super::camera_controller::CameraCommand;
-use super::camera_text::camera_text;
+use super::camera_text::{camera_text, file_camera_text};
 use super::encoded_images::{EncodedImages, FileKey};
 use super::http::{Request, Response, Status};
 use super::shared_state::{SharedState, State};
@@ -37,6 +37,8 @@ pub(super) struct Session {
     pub(super) name: String,
     /// Name of the medium around the camera.
     pub(super) medium: Option<String>,
+    /// Fields of the camera in the scene file. They have no position if it is not known exactly.
+    pub(super) fields: format::Camera,
     pub(super) size: [u32; 2],
     pub(super) spp: u32,
 }
@@ -100,7 +102,10 @@ impl Session {
 
     fn camera(&self) -> String {
         let controller = self.shared.lock().controller;
-        camera_text(controller.pose(), controller.camera(), self.medium.as_deref())
+        if controller.is_at_home() && self.fields.is_placed() {
+            return file_camera_text(&self.fields);
+        }
+        camera_text(controller.pose(), controller.camera(), self.medium.as_deref(), self.fields.shutter)
     }
 
     /// A line of JSON, and the bytes of a PNG if there is a later version than `after`. Of the errors, the page has `errors` if
@@ -120,6 +125,7 @@ impl Session {
             "view": image.view,
             "spp": image.spp,
             "max_spp": view.max_spp,
+            "wanted_size": view.size,
             "mega_rays_per_second": image.mega_rays_per_second,
             "seconds": image.seconds,
             "is_finished": is_finished,

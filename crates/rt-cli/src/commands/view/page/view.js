@@ -138,6 +138,7 @@ function show(next) {
   select("integrator", next.integrator);
   select("tone", next.tone);
   select("spp", String(next.max_spp));
+  showSize(next.wanted_size);
   get("exposure").value = next.exposure;
   get("exposure-value").textContent = stops(next.exposure);
 }
@@ -195,18 +196,42 @@ async function start() {
   return info;
 }
 
-function wantedSize() {
-  const choice = get("size").value;
+const isSameSize = (a, b) => a[0] === b[0] && a[1] === b[1];
+/** Last size that this page has chosen, or has found to be that of its choice. */
+let chosenSize = null;
+
+/** Size of a choice in the menu; undefined for a size that another page has chosen. */
+function sizeOf(choice) {
   if (choice === "scene") return session.size;
+  if (choice === "other") return undefined;
   const scale = devicePixelRatio * (choice === "half" ? 0.5 : 1);
   const stage = get("stage");
   return [stage.clientWidth, stage.clientHeight].map((length) => Math.max(16, Math.round(length * scale)));
 }
 
+function sendSize() {
+  const size = sizeOf(get("size").value);
+  if (size === undefined) return;
+  chosenSize = size;
+  sendSettings({ size });
+}
+
+/** Shows the size of the server. The choice stays while its size is that of the server, also during a resize of the window. */
+function showSize(size) {
+  if (chosenSize && isSameSize(size, chosenSize)) return;
+  const list = get("size");
+  const other = list.querySelector("[value=other]");
+  const choice = ["scene", "window", "half"].find((choice) => isSameSize(size, sizeOf(choice)));
+  chosenSize = choice ? size : null;
+  other.text = size.join(" × ");
+  other.hidden = choice !== undefined;
+  list.value = choice ?? "other";
+}
+
 get("integrator").addEventListener("change", (event) => sendSettings({ integrator: event.target.value }));
 get("tone").addEventListener("change", (event) => sendSettings({ tone: event.target.value }));
 get("spp").addEventListener("change", (event) => sendSettings({ spp: Number(event.target.value) }));
-get("size").addEventListener("change", () => sendSettings({ size: wantedSize() }));
+get("size").addEventListener("change", sendSize);
 get("exposure").addEventListener("input", (event) => {
   get("exposure-value").textContent = stops(event.target.value);
   sendSettings({ exposure: Number(event.target.value) });
@@ -222,7 +247,7 @@ addEventListener("resize", () => {
   clearTimeout(resizeEnd);
   resizeEnd = setTimeout(() => {
     plot();
-    if (session && get("size").value !== "scene") sendSettings({ size: wantedSize() });
+    if (session && get("size").value !== "scene") sendSize();
   }, 200);
 });
 
@@ -362,7 +387,8 @@ function fly(now) {
   requestAnimationFrame(fly);
 }
 
-const KEYS = {
+/** Actions by the letter on the key. */
+const ACTIONS = {
   arrowleft: () => sendCamera({ orbit: [ARROW, 0] }),
   arrowright: () => sendCamera({ orbit: [-ARROW, 0] }),
   arrowup: () => sendCamera({ orbit: [0, ARROW] }),
@@ -377,10 +403,23 @@ const KEYS = {
   "?": () => get("help").showModal(),
 };
 
+/** Action of a key. Keys without a Latin letter, as on a Cyrillic keyboard, have that of their place. */
+function actionOf({ key, code }) {
+  const isLatin = /^[a-z]$/i.test(key);
+  return ACTIONS[key.toLowerCase()] ?? (isLatin ? undefined : ACTIONS[code.replace("Key", "").toLowerCase()]);
+}
+
 addEventListener("keydown", (event) => {
   isFast = event.shiftKey;
   const isControl = event.target.closest("select, input, textarea, dialog") !== null;
   if (isControl || event.ctrlKey || event.metaKey || event.altKey) return;
+  // The letter of an action comes before the place of flight: where they differ, a key does what its letter says.
+  const action = actionOf(event);
+  if (action) {
+    action();
+    event.preventDefault();
+    return;
+  }
   if (event.code in FLIGHT) {
     const isFirst = held.size === 0;
     held.add(event.code);
@@ -390,12 +429,6 @@ addEventListener("keydown", (event) => {
       flown = now - 16;
       fly(now);
     }
-    event.preventDefault();
-    return;
-  }
-  const action = KEYS[event.key.toLowerCase()];
-  if (action) {
-    action();
     event.preventDefault();
   }
 });
