@@ -60,17 +60,17 @@ fn run_script(name: &str, start: impl FnOnce() -> ViewServer) -> Option<(ViewSer
 }
 
 /// A ball that renders at once.
-const BALL: &str =
+const SPHERE: &str =
     "(camera: (look_from: (0, 0, 5)), film: (size: (80, 60)), settings: (spp: 1), nodes: [(shape: sphere())])";
 
 #[test]
 fn the_resolution_menu_follows_the_server() {
-    run_script("resolution", || ViewServer::start(BALL, ""));
+    run_script("resolution", || ViewServer::start(SPHERE, ""));
 }
 
 #[test]
 fn keys_work_on_other_keyboard_layouts() {
-    run_script("layouts", || ViewServer::start(BALL, ""));
+    run_script("layouts", || ViewServer::start(SPHERE, ""));
 }
 
 #[test]
