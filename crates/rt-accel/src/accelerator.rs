@@ -101,7 +101,8 @@ pub trait Accelerator: Sync {
     }
 
     /// All hits within `span`, each once, in order of (t, instance, primitive); clears `hits` first. A primitive with
-    /// several intersections, such as a sphere, reports each. `Primitives` over accelerators of their own report one
+    /// several intersections, such as a sphere, reports each. One that fills space, with hits at eight or more successive
+    /// numbers, reports the first. `Primitives` over accelerators of their own report one
     /// hit of each at the same `t`.
     fn all_hits<P: Primitives, S: Probe>(
         &self,

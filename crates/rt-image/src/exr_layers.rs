@@ -64,8 +64,9 @@ pub fn write_layers(
             planes.push((format!("{name}.{component}"), Cow::Borrowed(values)));
         }
     }
+    let parts = layers.iter().flat_map(|layer| layer.channels.iter().map(|channel| channel.0).chain([layer.name]));
     let names = planes.iter().map(|(name, _)| name.as_str()).chain(attributes.iter().map(|(name, _)| *name));
-    for name in names {
+    for name in parts.chain(names) {
         if name.is_empty() || name.len() > MAX_NAME || name.contains('\0') {
             return Err(refused(format!("{name:?} is no name: it needs 1 to {MAX_NAME} bytes, and none of them zero")));
         }
@@ -199,12 +200,14 @@ mod tests {
     #[test]
     fn names_that_a_file_cannot_have_are_refused() {
         let long = "n".repeat(300);
-        for name in ["a\0b", &long] {
+        for name in ["", "a\0b", &long] {
             let layer = Layer { name, ..depth() };
+            let of_channel = Layer { channels: vec![(name, vec![0.0; 6].into())], ..depth() };
+            let no_text = String::new();
             for (layers, attributes) in
-                [(&[layer][..], vec![]), (&[], vec![(name, String::new())]), (&[], vec![("", String::new())])]
+                [(vec![layer], vec![]), (vec![of_channel], vec![]), (vec![], vec![(name, no_text)])]
             {
-                let error = write_layers(&film(), layers, &attributes, Vec::new()).expect_err("refused");
+                let error = write_layers(&film(), &layers, &attributes, Vec::new()).expect_err("refused");
                 assert!(
                     matches!(&error, ImageFileError::Encode { reason, .. } if reason.contains("is no name")),
                     "{error}"

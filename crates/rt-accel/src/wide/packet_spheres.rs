@@ -283,7 +283,9 @@ mod tests {
                 _ => pow(10.0, 8.0 * number(0)),
             };
             let origin = sphere.centre + vector(1) * (sphere.radius * distance);
-            let aim = vector(4) * (sphere.radius * [number(7), 1.0][lane / 4]);
+            // From far away, the rounding of a hit is seen where the bounds touch the sphere.
+            let towards = if lane == 7 { DVec3::AXES[seed as usize % 3] } else { vector(4) };
+            let aim = towards * (sphere.radius * [number(7), 1.0][lane / 4]);
             let direction = (sphere.centre + aim - origin) * pow(10.0, 20.0 * number(8) - 10.0);
             let ray = Ray::new(origin, direction);
             let crossing = sphere.intersect(&ray, Interval::FORWARD).unwrap_or(1.0);
@@ -330,7 +332,7 @@ mod tests {
         }
         let n = n_hits + n_misses + n_open;
         assert!(
-            5 * n_hits > n && 5 * n_misses > n && 5 * n_open < 3 * n && 1000 * n_uncertain < n,
+            5 * n_hits > n && 5 * n_misses > n && 5 * n_open < 3 * n && 100 * n_uncertain < n,
             "{n_hits} certain hits, {n_misses} misses, {n_open} open; {n_uncertain} uncertain closest hits"
         );
     }

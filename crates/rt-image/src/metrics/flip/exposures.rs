@@ -9,7 +9,7 @@ const BRIGHT: f64 = 0.85;
 /// Luminance that replaces 0 in logarithms.
 const DARKEST: f64 = f32::EPSILON as f64;
 
-/// Exposures in steps of one stop, of two stops at most. The first displays the brightest pixel of the reference at 0.85, the last
+/// Exposures in steps of at most two stops. The first displays the brightest pixel of the reference at 0.85, the last
 /// the pixel of median luminance (Andersson et al. 2021).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExposureRange {
