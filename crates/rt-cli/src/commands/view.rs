@@ -72,8 +72,10 @@ pub(super) fn run(args: &BrowserArgs) -> Result<(), CliError> {
     let view = View { number: 0, camera: named.settings, size, integrator, max_spp: spp };
     let medium = named.medium.and_then(|medium| scene.appearance.materials.get(medium.0 as usize));
     let medium = medium.map(|medium| medium.name.clone());
-    let fields =
+    let mut fields =
         camera_fields(&args.image.view, scene.camera_fields.get(options.camera), &named.settings, medium.as_deref());
+    // A camera without a shutter is sharp where the common interval begins.
+    fields.shutter = fields.shutter.or(scene.shutter_interval.map(|[opens, _]| (opens, opens)));
 
     let failed = |error: std::io::Error| CliError::Server(SocketAddr::new(args.bind, args.port), error);
     let listener = TcpListener::bind((args.bind, args.port)).map_err(failed)?;

@@ -14,8 +14,8 @@ pub(super) fn file_camera_text(fields: &format::Camera) -> String {
     written(&format::Camera { name: None, ..fields.clone() })
 }
 
-/// Field `camera` of a scene file for a static camera in this pose. Reading it gives a bit-identical camera. A comment reports angles
-/// without an exact number of degrees.
+/// Field `camera` of a scene file for a static camera in this pose. Reading it gives a bit-identical camera, except for
+/// angles without an exact number of degrees, which a comment reports.
 ///
 /// `shutter` is that of the scene file. That of `settings` is relative to the common interval of all cameras.
 pub(super) fn camera_text(

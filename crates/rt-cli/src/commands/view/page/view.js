@@ -47,11 +47,13 @@ function sender(path, merge) {
     send.isBusy = false;
   };
   const send = (value) => {
+    send.count += 1;
     const last = waiting.at(-1);
     if (last === undefined || !merge(last, value)) waiting.push(value);
     if (!send.isBusy) send.done = sendAll();
   };
   send.isBusy = false;
+  send.count = 0;
   /** Settles when all values are sent. */
   send.done = Promise.resolve();
   return send;
@@ -78,13 +80,14 @@ async function watch() {
   for (;;) {
     try {
       session ??= await start();
+      const sent = sendSettings.count;
       const response = await fetch(`frame?after=${state.version}&view=${state.view}&errors=${errors.length}`);
       if (!response.ok) throw new Error((await response.text()).trim());
       const bytes = new Uint8Array(await response.arrayBuffer());
       const end = bytes.indexOf(10);
       const next = JSON.parse(decoder.decode(bytes.subarray(0, end)));
       if (bytes.length > end + 1) await draw(bytes.subarray(end + 1), next.size, next.pixel_side);
-      show(next);
+      show(next, sent === sendSettings.count);
       banner(next.message);
     } catch (error) {
       const reason = error instanceof TypeError ? "rt-cli does not answer. Is it still running?" : error.message;
@@ -111,7 +114,8 @@ async function draw(png, [width, height], side) {
   image.classList.toggle("is-magnified", image.clientWidth * devicePixelRatio >= 2 * image.width);
 }
 
-function show(next) {
+/** Shows the state of the server. It is older than the settings unless none were sent since it was asked for. */
+function show(next, isCurrent) {
   const isOtherView = next.view !== state.view;
   const wasFinished = state.is_finished;
   state = next;
@@ -134,7 +138,7 @@ function show(next) {
   document.body.dataset.state = next.is_finished ? "finished" : "rendering";
   if (next.is_finished && !wasFinished && next.seconds > LONG) toast(`Finished in ${duration(next.seconds)}`);
   // Menus show what the server has, unless it is about to get something else.
-  if (sendSettings.isBusy) return;
+  if (sendSettings.isBusy || !isCurrent) return;
   select("integrator", next.integrator);
   select("tone", next.tone);
   select("spp", String(next.max_spp));
@@ -412,7 +416,7 @@ function actionOf({ key, code }) {
 addEventListener("keydown", (event) => {
   isFast = event.shiftKey;
   const isControl = event.target.closest("select, input, textarea, dialog") !== null;
-  if (isControl || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (isControl || event.ctrlKey || event.metaKey || event.altKey || event.getModifierState("AltGraph")) return;
   // The letter of an action comes before the place of flight: where they differ, a key does what its letter says.
   const action = actionOf(event);
   if (action) {
