@@ -121,8 +121,8 @@ impl<S: Simd> SpherePacket<S> {
         PacketHit { hit, uncertain: within & !hit | touches, t, uv: [zero; 2] }
     }
 
-    /// Rays in the safe range that certainly hit within their spans, and those that may. Takes neither a root nor a quotient: where the
-    /// spans begin and end, outside or inside, and the closest approach tell.
+    /// Rays in the safe range that certainly hit within their spans, and those that may. Both ends of the span and the closest approach
+    /// decide, without roots and quotients.
     #[inline(always)]
     pub(super) fn occlusion(&self, simd: S, rays: &RaySoa8<S>) -> [u32; 2] {
         let f = self.offsets(simd, rays);

@@ -114,7 +114,7 @@ async function draw(png, [width, height], side) {
   image.classList.toggle("is-magnified", image.clientWidth * devicePixelRatio >= 2 * image.width);
 }
 
-/** Shows the state of the server. It is older than the settings unless none were sent since it was asked for. */
+/** Shows the state of the server. Menus keep their choice if settings were sent after the state was requested. */
 function show(next, isCurrent) {
   const isOtherView = next.view !== state.view;
   const wasFinished = state.is_finished;
