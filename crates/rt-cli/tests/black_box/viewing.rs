@@ -224,6 +224,17 @@ fn a_copied_camera_keeps_the_shutter_of_its_scene() {
     assert!(shown == view.place.read("expected.png"), "{text}");
     assert!(view.place.read("pasted.ron").starts_with(b"(camera: ("));
 
+    // One without a shutter is sharp where that of the other camera opens.
+    let cameras =
+        r#"cameras: [(name: "a", look_from: (0, 0, 9), shutter: (0.25, 0.75)), (name: "b", look_from: (0, 0, 5))],"#;
+    let view = ViewServer::start(&scene(cameras), "--spp 16 --camera b");
+    let text = view.get("camera").text();
+    assert!(text.contains("shutter: (0.25, 0.25)"), "{text}");
+    view.place.write("pasted.ron", scene(&text));
+    let (_, shown) = view.finished();
+    view.place.succeed("render pasted.ron --spp 16 --time 1h -o expected.png");
+    assert!(shown == view.place.read("expected.png"), "{text}");
+
     let plain = "camera: (look_from: (0, 0, 5)),";
     let text = assert_copied_camera_renders_the_same(&scene(plain), plain, "--spp 16 --shutter 0,0.5");
     assert!(text.contains("shutter: (0.0, 0.5)"), "{text}");
