@@ -1,24 +1,56 @@
 //! Tangents of meshes that come without (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008).
 
+use core::ops::Range;
 use std::collections::HashMap;
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use rt_geometry::MeshData;
-use rt_math::transcendental::acos;
+use rt_math::{random::hash, transcendental::acos};
 
 /// Tangents of a flat or degenerate neighbourhood, which has none.
 const NONE: [f32; 4] = [0.0; 4];
 
+/// Most corners at a position that the algorithm takes at once: its time grows with the square of their number.
+const MAX_CORNERS: u32 = 256;
+
 /// Gives each vertex the tangent along which u of `uvs` rises, and the side on which v does. A vertex whose triangles
-/// disagree is split. Without normals the triangles are flat.
+/// disagree is split. Without normals the triangles are flat. Where more than [`MAX_CORNERS`] meet at a position, triangles are divided
+/// into parts, whose tangents do not depend on each other.
 pub(crate) fn generate(data: &mut MeshData, uvs: &[[f32; 2]]) {
-    let mut corners = Corners { data, uvs, tangents: vec![[NONE; 3]; data.triangles.len()] };
-    // Infallible: the error type has no values.
-    if generate_tangents(&mut corners).is_err() {
-        return;
+    let mut tangents = vec![[NONE; 3]; data.triangles.len()];
+    for faces in parts(data) {
+        let (first, tangents) = (faces.start, &mut tangents[faces]);
+        // Infallible: the error type has no values.
+        if generate_tangents(&mut Corners { data, uvs, first, tangents }).is_err() {
+            return;
+        }
     }
-    let tangents = corners.tangents;
     assign(data, &tangents);
+}
+
+/// Divides the triangles into parts in which at most [`MAX_CORNERS`] meet at a position. Positions are counted by a hash.
+fn parts(data: &MeshData) -> Vec<Range<usize>> {
+    let n_counts = (3 * data.triangles.len()).next_power_of_two();
+    let mut counts = vec![0; n_counts];
+    let slot = |index: u32| {
+        let position = data.positions[index as usize].to_array();
+        hash(&position.map(|x| u64::from(x.to_bits()))) as usize % n_counts
+    };
+    let mut parts: Vec<Range<usize>> = Vec::new();
+    let mut first = 0;
+    for (face, triangle) in data.triangles.iter().enumerate() {
+        let slots = triangle.map(slot);
+        if slots.iter().any(|&slot| counts[slot] >= MAX_CORNERS) {
+            for triangle in &data.triangles[first..face] {
+                triangle.map(slot).map(|slot| counts[slot] = 0);
+            }
+            parts.push(first..face);
+            first = face;
+        }
+        slots.map(|slot| counts[slot] += 1);
+    }
+    parts.push(first..data.triangles.len());
+    parts
 }
 
 /// Stores one tangent for each vertex, and copies those that need several.
@@ -58,22 +90,25 @@ fn again<T: Copy>(list: &mut Vec<T>, element: u32) {
     }
 }
 
-/// View of a mesh for the algorithm: corner by corner.
+/// View of some triangles of a mesh for the algorithm: corner by corner.
 struct Corners<'a> {
     data: &'a MeshData,
     uvs: &'a [[f32; 2]],
-    tangents: Vec<[[f32; 4]; 3]>,
+    /// Index of the first triangle.
+    first: usize,
+    /// Results for the triangles from this one on.
+    tangents: &'a mut [[[f32; 4]; 3]],
 }
 
 impl Corners<'_> {
     fn vertex(&self, face: usize, corner: usize) -> usize {
-        self.data.triangles[face][corner] as usize
+        self.data.triangles[self.first + face][corner] as usize
     }
 }
 
 impl Geometry<Portable> for Corners<'_> {
     fn num_faces(&self) -> usize {
-        self.data.triangles.len()
+        self.tangents.len()
     }
 
     fn num_vertices_of_face(&self, _face: usize) -> usize {
@@ -88,7 +123,8 @@ impl Geometry<Portable> for Corners<'_> {
         match self.data.normals.get(self.vertex(face, corner)) {
             Some(normal) => normal.normalize_or_zero().to_array(),
             None => {
-                let [a, b, c] = self.data.triangles[face].map(|i| self.data.positions[i as usize].as_dvec3());
+                let [a, b, c] =
+                    self.data.triangles[self.first + face].map(|i| self.data.positions[i as usize].as_dvec3());
                 (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
             }
         }
@@ -121,6 +157,7 @@ impl Ops for Portable {
 mod tests {
     use super::*;
     use rt_math::Vec3;
+    use rt_math::transcendental::{cos, sin};
 
     /// The unit square in z = 0, seen from +z, u along y and v against x, unless mirrored.
     fn square(mirror: f32) -> MeshData {
@@ -164,6 +201,34 @@ mod tests {
         let lengths = [data.normals.len(), data.uvs.len(), data.colors.len(), data.tangents.len()];
         assert_eq!((lengths, data.second_uvs.len()), ([6; 4], 0));
         assert_ne!(data.tangents[0][3], data.tangents[4][3]);
+    }
+
+    /// The time of the algorithm grows with the square of the triangles around a vertex.
+    #[test]
+    fn triangles_around_a_hub_are_divided_into_parts() {
+        let n = 10_000u32;
+        let at = |i: u32| core::f32::consts::TAU * i as f32 / n as f32;
+        let rim = (0..=n).map(|i| Vec3::new(cos(f64::from(at(i))) as f32, sin(f64::from(at(i))) as f32, 0.0));
+        let positions: Vec<Vec3> = core::iter::once(Vec3::ZERO).chain(rim).collect();
+        let uvs = positions.iter().map(|p| [p.x, p.y]).collect();
+        let triangles: Vec<[u32; 3]> = (1..=n).map(|i| [0, i, i + 1]).collect();
+        // Copies of a vertex count as one.
+        let positions_of_copies = triangles.iter().flatten().map(|&i| positions[i as usize]).collect();
+        let copies = (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let unshared = MeshData { positions: positions_of_copies, triangles: copies, ..MeshData::default() };
+        let mut fan = MeshData { positions, triangles, uvs, ..MeshData::default() };
+        for data in [&fan, &unshared] {
+            let parts = parts(data);
+            assert!((40..60).contains(&parts.len()), "{} parts", parts.len());
+            assert!(parts.iter().all(|part| part.len() <= MAX_CORNERS as usize));
+            assert_eq!((parts[0].start, parts.last().map(|part| part.end)), (0, Some(n as usize)));
+            assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start));
+        }
+        along_first(&mut fan);
+        let along_x = |[x, y, z, w]: [f32; 4]| x > 0.999 && y.abs() < 1e-3 && (z, w) == (0.0, 1.0);
+        assert!(fan.tangents.iter().all(|&tangent| along_x(tangent)), "{:?}", fan.tangents);
+        assert_eq!(parts(&square(1.0)), [0..2]);
+        assert_eq!(parts(&MeshData::default()), [0..0]);
     }
 
     #[test]

@@ -108,7 +108,7 @@ pub(crate) struct ImageArgs {
 
     /// Light the scene with this environment image: .exr, .hdr, .png, .jpg, or -
     ///
-    /// The integrator becomes `path` unless another one is given. With --background, camera rays that hit nothing show
+    /// Instead of `whitted`, `path` renders the scene unless --integrator is given. With --background, camera rays that hit nothing show
     /// that instead of the image; mirrors and glass still show the image.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Camera and scene")]
     pub(crate) env: Option<PathBuf>,
@@ -143,6 +143,8 @@ pub(crate) struct ViewArgs {
 #[command(next_help_heading = "Tone mapping")]
 pub(crate) struct DevelopmentArgs {
     /// Set the exposure in stops: 1 doubles the brightness, -1 halves it [default: as in the scene, or 0]
+    ///
+    /// Debug views that --integrator chooses do not take exposure and tone curve from the scene.
     #[arg(long, value_name = "EV", value_parser = values::exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f64>,
 

@@ -230,7 +230,8 @@ pub enum Material {
         #[serde(default, alias = "shines")]
         emission_sides: EmissionSides,
     },
-    /// Weighted sum of materials. Weights of sum 1 blend them; weights of 1 add their reflection. Glass cannot be part of it.
+    /// Weighted sum of materials. Weights of sum 1 blend them; weights of 1 add their reflection. Glass cannot be part
+    /// of it. Only one part may emit if one has a textured emission.
     ///
     /// Example: `mix([(0.7, diffuse(albedo: 0.8)), (0.3, mirror())])`.
     Mix(Vec<(f64, Self)>),

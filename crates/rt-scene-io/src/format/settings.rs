@@ -37,7 +37,7 @@ pub struct Settings {
     /// Unit: bounces.
     #[serde(alias = "depth")]
     pub max_depth: u64,
-    /// Rays that contribute less than this to the pixel are not followed.
+    /// Under `whitted`, rays that contribute less than this to the pixel are not followed.
     ///
     /// Unit: fraction of the pixel.
     pub min_contribution: f64,

@@ -123,7 +123,7 @@ impl ModelReader<'_, '_> {
         self.report.check(path, ior)
     }
 
-    /// Model of a mix. Emission is the weighted sum of the parts; of textures the first counts, of sides the last.
+    /// Model of a mix. Emission is the weighted sum of the parts. It has at most one texture, and the same sides in all parts.
     fn mix(&mut self, path: &str, parts: &[(f64, format::Material)]) -> Option<EmissiveModel> {
         if parts.is_empty() || parts.len() > MAX_LOBES {
             let rule = format!("must have 1 to {MAX_LOBES}");
@@ -138,13 +138,20 @@ impl ModelReader<'_, '_> {
                 return self.report.refuse(&at, "glass or another mix", "cannot be part of a mix");
             }
             let part = self.model(&at, part)?;
-            if !part.emission.is_zero() {
-                sum.emission_sides = part.emission_sides;
+            let emission = part.emission.scaled(weight);
+            if sum.emission.is_zero() {
+                (sum.emission, sum.emission_sides) = (emission, part.emission_sides);
+            } else if !emission.is_zero() {
+                let (ColorTexture::Constant(a), ColorTexture::Constant(b)) = (sum.emission, emission) else {
+                    let rule = "cannot be added to that of another part: only one part may emit if one has a texture";
+                    return self.report.refuse(&at, "the emission", rule);
+                };
+                if sum.emission_sides != part.emission_sides {
+                    let rule = "must be those of the other parts: a `light` among them needs `emission_sides: both`";
+                    return self.report.refuse(&at, "the sides that emit", rule);
+                }
+                sum.emission = ColorTexture::Constant(a + b);
             }
-            sum.emission = match (sum.emission, part.emission.scaled(weight)) {
-                (ColorTexture::Constant(a), ColorTexture::Constant(b)) => ColorTexture::Constant(a + b),
-                (textured @ ColorTexture::Textured(..), _) | (_, textured) => textured,
-            };
             mixed.push((weight, part.model));
         }
         let lobes: usize = mixed.iter().map(|(_, part)| part.lobes()).sum();

@@ -145,6 +145,8 @@ fn values() {
         "(nodes: [], materials: {\"m\": phong(diffuse: rgb(0.5, -0.1, 0), specular: hex(\"#12345\"))})",
         "(nodes: [], materials: {\"m\": phong(absorption: gray(-1))})",
         "(nodes: [], materials: {\"m\": mix([(0.3, glossy(diffuse: 0.5)), (0.3, glossy(diffuse: 0.5)), (0.3, glossy(diffuse: 0.5))])})",
+        "(nodes: [], materials: {\"m\": mix([(0.5, light(radiance: 1)), (0.5, diffuse(albedo: 0, emission: checker(even: 1, odd: 0)))])})",
+        "(nodes: [], materials: {\"m\": mix([(0.5, light(radiance: 1)), (0.5, diffuse(albedo: 0, emission: 1))])})",
         "(nodes: [], materials: {\"m\": phong(color: checker(even: gray(1), odd: gray(0), size: 0))})",
         "(nodes: [], materials: {\"m\": phong(color: checker(even: gray(1), odd: gray(0)), diffuse: checker(even: gray(1), odd: gray(0)))})",
         "(nodes: [], lights: [point(position: (0, 0, 0), intensity: gray(NaN))])",
