@@ -109,8 +109,8 @@ fn emission_of(scene: &Scene, instance: &Instance) -> Option<Emission> {
     }
     let material = scene.appearance.materials.get(instance.material as usize)?;
     let ColorTexture::Constant(radiance) = material.emission else { return None };
-    // The whole surface is sampled: one with an alpha test is found by rays only.
-    if material.alpha.mode != AlphaMode::Opaque {
+    // The whole surface is sampled, with the same radiance in all directions. Others are found by rays only.
+    if material.alpha.mode != AlphaMode::Opaque || material.has_coated_emission() {
         return None;
     }
     (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.emission_sides).ok())?

@@ -158,6 +158,14 @@ impl LayeredSurface {
         [1.0 - spread, 1.0, 1.0 + spread].map(|part| ior * part)
     }
 
+    /// Share of the emission that passes the clearcoat towards `wo`, a unit vector in world space (KHR_materials_clearcoat, "Emission").
+    pub(crate) fn clearcoat_transmittance(&self, at: &MaterialEvalContext<'_>, wo: DVec3) -> f64 {
+        let (clearcoat, clearcoat_roughness) =
+            (at.unit_value(&self.clearcoat), at.unit_value(&self.clearcoat_roughness));
+        let cos = Frame::from_z(at.surface.shading_normal).to_local(wo).dot(self.clearcoat_normal(at)).abs();
+        Layered { clearcoat, clearcoat_roughness, ..Layered::PLASTIC }.clearcoat_transmittance(cos.min(1.0))
+    }
+
     /// Normal of the clearcoat in shading coordinates.
     fn clearcoat_normal(&self, at: &MaterialEvalContext<'_>) -> DVec3 {
         let base = at.surface.shading_normal;

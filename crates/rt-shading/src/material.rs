@@ -1,11 +1,11 @@
 //! Materials: a reflection model, and the parts that all models share.
 
 use crate::{
-    Alpha, ColorTexture, FloatTexture, InteriorMedium, MaterialEvalContext, MaterialModel, NormalMap, Phong, Texture,
-    TextureId, bsdf::Bsdf, light::EmissionSides,
+    Alpha, ColorTexture, FloatTexture, InteriorMedium, LayeredSurface, MaterialEvalContext, MaterialModel, NormalMap,
+    Phong, Texture, TextureId, bsdf::Bsdf, light::EmissionSides,
 };
 use rt_geometry::SurfaceInteraction;
-use rt_math::Rgb;
+use rt_math::{DVec3, Rgb};
 
 /// A named material.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +57,37 @@ impl Material {
     pub fn emitted_radiance(&self, textures: &[Texture], surface: &SurfaceInteraction, is_inside: bool) -> Rgb {
         let is_dark_side = is_inside && self.emission_sides == EmissionSides::Front;
         if is_dark_side { Rgb::BLACK } else { self.emission.at(textures, surface) }
+    }
+
+    /// [Emitted radiance](Self::emitted_radiance) towards `wo`, a unit vector in world space: less what a clearcoat reflects.
+    pub fn emitted_radiance_towards(
+        &self,
+        wo: DVec3,
+        textures: &[Texture],
+        surface: &SurfaceInteraction,
+        is_inside: bool,
+    ) -> Rgb {
+        let emitted = self.emitted_radiance(textures, surface, is_inside);
+        match self.coated_emission() {
+            Some(layered) if !emitted.is_black() => {
+                emitted * layered.clearcoat_transmittance(&MaterialEvalContext { textures, surface, ior: 1.0 }, wo)
+            }
+            _ => emitted,
+        }
+    }
+
+    /// True if it emits through a clearcoat: less at grazing angles.
+    pub fn has_coated_emission(&self) -> bool {
+        self.coated_emission().is_some()
+    }
+
+    fn coated_emission(&self) -> Option<&LayeredSurface> {
+        match &self.model {
+            MaterialModel::Layered(layered) if !layered.clearcoat.is_zero() && !self.emission.is_zero() => {
+                Some(layered)
+            }
+            _ => None,
+        }
     }
 
     /// Ambient coefficient of `phong`, the [Phong model](Self::to_phong) of this material, with occlusion.
@@ -131,7 +162,34 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LayeredBase, LayeredSurface};
+    use crate::LayeredBase;
+    use rt_math::transcendental::{cos, sin};
+
+    /// `coated_emission = emission * (1 - clearcoat * clearcoat_fresnel)` (KHR_materials_clearcoat).
+    #[test]
+    fn a_clearcoat_darkens_emission() {
+        let constant = FloatTexture::Constant;
+        let base_color = ColorTexture::Constant(Rgb::BLACK);
+        let base = LayeredBase::MetallicRoughness { base_color, metallic: constant(0.0), roughness: constant(1.0) };
+        let surface = SurfaceInteraction::flat(DVec3::ZERO, DVec3::ZERO, DVec3::Z, [0.0; 2]);
+        for (strength, is_inside) in [(1.0, false), (0.5, false), (0.5, true), (0.0, false)] {
+            let layered = LayeredSurface { clearcoat: constant(strength), ..LayeredSurface::new(base.clone()) };
+            let emission = ColorTexture::Constant(Rgb::new(1.0, 0.5, 0.0));
+            let material =
+                Material { emission, ..Material::new("coated".into(), MaterialModel::Layered(Box::new(layered))) };
+            assert_eq!(material.has_coated_emission(), strength > 0.0);
+            for degrees in [0.0f64, 60.0, 80.0] {
+                let angle = degrees.to_radians();
+                let side = if is_inside { -1.0 } else { 1.0 };
+                let wo = DVec3::new(sin(angle), 0.0, cos(angle) * side);
+                let expected = 1.0 - strength * (0.04 + 0.96 * (1.0 - cos(angle)).powi(5));
+                let emitted = material.emitted_radiance_towards(wo, &[], &surface, is_inside);
+                let error = emitted.r - expected;
+                assert!(error.abs() < 0.01 && emitted.b == 0.0, "{strength}, {degrees}°: {emitted:?}, not {expected}");
+                assert!((emitted.g - 0.5 * emitted.r).abs() < 1e-15);
+            }
+        }
+    }
 
     #[test]
     fn a_normal_map_of_the_clearcoat_is_a_texture() {

@@ -115,7 +115,8 @@ impl ReferencePathTracer<'_> {
             path.media.absorb(materials, interface, hit.t, length, &mut path.throughput);
 
             // Add the emission of the surface. That of caustics may be left to light tracing.
-            let emitted = material.emitted_radiance(&appearance.textures, &hit.interaction, is_inside);
+            let textures = &appearance.textures;
+            let emitted = material.emitted_radiance_towards(-direction, textures, &hit.interaction, is_inside);
             let is_caustic = hit.light.is_some() && !path.starts_specular && path.prev.is_none();
             let is_omitted = is_caustic && transport == Transport::NonCaustic;
             if !emitted.is_black() && !is_omitted {

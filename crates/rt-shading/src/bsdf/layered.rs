@@ -187,7 +187,8 @@ impl Layered {
         1.0 - (self.dielectric_reflectance[0] * along + self.dielectric_reflectance[1] * grazing)
     }
 
-    fn clearcoat_transmittance(&self, cos: f64) -> f64 {
+    /// Share of light that passes the clearcoat in a direction with this cosine to its normal.
+    pub(crate) fn clearcoat_transmittance(&self, cos: f64) -> f64 {
         if self.clearcoat == 0.0 {
             1.0
         } else {

@@ -144,7 +144,7 @@ impl LaneMaterial {
             return Some(Self { surface, emission: [Rgb::BLACK; 2], ambient });
         }
         let is_opaque = material.interior.is_none() && !material.model.is_transmissive();
-        if !is_opaque || !is_in_range(emission) {
+        if !is_opaque || material.has_coated_emission() || !is_in_range(emission) {
             return None;
         }
         let surface = uniform_bsdf(material)?.as_lane_surface()?;

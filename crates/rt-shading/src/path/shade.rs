@@ -67,7 +67,8 @@ impl<E: Element> SpawnedPaths<E> {
             state.medium_tracker.absorb(materials, interface, hit.t, length, &mut path.throughput);
         }
         if features.emission {
-            let emitted = material.emitted_radiance(&lighting.appearance.textures, &hit.interaction, is_inside);
+            let textures = &lighting.appearance.textures;
+            let emitted = material.emitted_radiance_towards(-direction, textures, &hit.interaction, is_inside);
             if !emitted.is_black() && !self.is_caustic(inputs, wave, at, hit.light.is_some()) {
                 let surface = &hit.interaction;
                 let (point, normal) = (surface.point, surface.geometric_normal);
