@@ -182,7 +182,8 @@ mod tests {
                 let angle = degrees.to_radians();
                 let side = if is_inside { -1.0 } else { 1.0 };
                 let wo = DVec3::new(sin(angle), 0.0, cos(angle) * side);
-                let expected = 1.0 - strength * (0.04 + 0.96 * (1.0 - cos(angle)).powi(5));
+                let weight = 1.0 - cos(angle);
+                let expected = 1.0 - strength * (0.04 + 0.96 * weight * weight * weight * weight * weight);
                 let emitted = material.emitted_radiance_towards(wo, &[], &surface, is_inside);
                 let error = emitted.r - expected;
                 assert!(error.abs() < 0.01 && emitted.b == 0.0, "{strength}, {degrees}°: {emitted:?}, not {expected}");
