@@ -93,7 +93,8 @@ impl Parameter {
         Ok(Self { line, kind, name: name.to_owned(), values, used: Rc::default(), is_attribute: false })
     }
 
-    fn values(tokens: &mut Tokenizer<'_>, name: &str) -> Result<Values, LineError> {
+    /// Reads the value of a parameter, or its values in brackets.
+    pub(super) fn values(tokens: &mut Tokenizer<'_>, name: &str) -> Result<Values, LineError> {
         let what = format!("a value of \"{name}\"");
         let (mut numbers, mut words) = (Vec::new(), Vec::new());
         let mut add = |line: usize, kind: TokenKind<'_>| {

@@ -196,7 +196,7 @@ impl<'f> PbrtReader<'f> {
             self.warn(parameters.line, warning);
         }
         for (line, name) in parameters.unused() {
-            self.warn(line, format!("the parameter \"{name}\" of {directive} is not supported"));
+            self.warn(line, unsupported(name, directive));
         }
     }
 
@@ -343,8 +343,17 @@ impl<'f> PbrtReader<'f> {
                 self.warn_all(word, &parameters, Vec::new());
             }
             "Option" => {
-                let parameters = Parameters::read(tokens, line)?;
-                self.warn_all(word, &parameters, Vec::new());
+                // pbrt-v4 gives the name without a type.
+                if let Some(TokenKind::Text(name)) = tokens.peek()
+                    && !name.contains(char::is_whitespace)
+                {
+                    let name = tokens.text("the name of an option")?;
+                    Parameter::values(tokens, &name)?;
+                    self.warn(line, unsupported(&name, word));
+                } else {
+                    let parameters = Parameters::read(tokens, line)?;
+                    self.warn_all(word, &parameters, Vec::new());
+                }
             }
             _ => {
                 if std::mem::replace(&mut self.in_world, true) {
@@ -442,4 +451,9 @@ impl<'f> PbrtReader<'f> {
         model.nodes = vec![SceneNode { children: self.nodes, is_left_handed, ..SceneNode::empty(stem, world) }];
         Ok(model)
     }
+}
+
+/// Warning about a parameter without effect here.
+fn unsupported(name: &str, directive: &str) -> String {
+    format!("the parameter \"{name}\" of {directive} is not supported")
 }

@@ -502,3 +502,22 @@ fn cut_files_never_panic() {
         let _ = load(&SCENE[..length]);
     }
 }
+
+/// pbrt-v4 writes the name of an option without its type.
+#[test]
+fn options_without_a_type_were_refused() {
+    for (option, name) in [
+        ("\"disablepixeljitter\" true", "disablepixeljitter"),
+        ("\"seed\" 0", "seed"),
+        ("\"seed\" [7]", "seed"),
+        ("\"rendercoordsys\" \"camera world\"", "rendercoordsys"),
+        ("\"msereferenceimage\" [\"a.exr\"]", "msereferenceimage"),
+        ("\"bool disablepixeljitter\" true", "disablepixeljitter"),
+    ] {
+        let model = good(&format!("Option {option}\n{}", world("")));
+        let expected = format!("the parameter \"{name}\" of Option is not supported");
+        assert_eq!(model.messages(), [expected], "{option}");
+    }
+    let error = load(&format!("Option \"seed\"\n{}", world(""))).unwrap_err().to_string();
+    assert!(error.starts_with("m.pbrt:2: `WorldBegin` is not a number; expected a value of \"seed\""), "{error}");
+}
