@@ -270,13 +270,13 @@ impl<'f> PbrtReader<'f> {
     }
 
     fn medium(&mut self, word: &str, line: usize, tokens: &mut Tokenizer<'_>) -> Result<(), LineError> {
-        // Names have no space, parameters begin with a type.
-        while let Some(TokenKind::Text(text)) = tokens.peek()
-            && !text.contains(' ')
-        {
+        tokens.text("the name of a medium")?;
+        if word == "MakeNamedMedium" {
+            Parameters::read(tokens, line)?;
+        } else if let Some(TokenKind::Text(_)) = tokens.peek() {
+            // The medium outside; by default that inside.
             tokens.take()?;
         }
-        Parameters::read(tokens, line)?;
         self.warn(line, format!("`{word}` is left out: media are not supported"));
         Ok(())
     }

@@ -521,3 +521,19 @@ fn options_without_a_type_were_refused() {
     let error = load(&format!("Option \"seed\"\n{}", world(""))).unwrap_err().to_string();
     assert!(error.starts_with("m.pbrt:2: `WorldBegin` is not a number; expected a value of \"seed\""), "{error}");
 }
+
+/// A name with a space was read as a parameter.
+#[test]
+fn names_of_media_with_a_space_were_parameters() {
+    let model = good(&world(
+        "MakeNamedMedium \"my m\" \"string type\" \"homogeneous\"\nMediumInterface \"my m\" \"no m\"\n\
+         MediumInterface \"my m\"\nCoordinateSystem \"my c\" CoordSysTransform \"my c\"\n\
+         Texture \"my t\" \"spectrum\" \"constant\"\n\
+         MakeNamedMaterial \"my a\" \"string type\" \"diffuse\" \"texture reflectance\" \"my t\"\n\
+         NamedMaterial \"my a\"\nObjectBegin \"my o\" Shape \"sphere\" ObjectEnd ObjectInstance \"my o\"",
+    ));
+    let left_out = |word: &str, times: &str| format!("`{word}` is left out: media are not supported{times}");
+    let expected = [left_out("MakeNamedMedium", ""), left_out("MediumInterface", " (2 times, this is the first)")];
+    assert_eq!(model.messages(), expected);
+    assert_eq!((shapes(&model).len(), model.materials[0].name.as_str()), (2, "my a"));
+}
