@@ -49,28 +49,33 @@ fn latin1(bytes: &[u8]) -> String {
     text
 }
 
-/// Lines that are neither empty nor comments; a line that ends in `\` is joined with the next.
+/// Lines that are neither empty nor comments. A line that ends in `\` outside of a comment is joined with the next.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let mut physical = text.split('\n').zip(1..);
     std::iter::from_fn(move || {
         loop {
             let (first, number) = physical.next()?;
-            let mut text = Cow::Borrowed(first.trim());
+            let mut last = first.trim();
+            let mut text = Cow::Borrowed(last);
             // A comment may end in the name of a folder.
-            while !text.starts_with('#') && text.ends_with('\\') {
+            while last.ends_with('\\') && !has_comment(last) {
                 let joined = text.to_mut();
                 joined.pop();
                 joined.push(' ');
-                match physical.next() {
-                    Some((next, _)) => joined.push_str(next.trim()),
-                    None => break,
-                }
+                let Some((next, _)) = physical.next() else { break };
+                last = next.trim();
+                joined.push_str(last);
             }
             if !text.is_empty() && !text.starts_with('#') {
                 return Some(Line { number, text });
             }
         }
     })
+}
+
+/// True if a word of the line begins a comment.
+fn has_comment(line: &str) -> bool {
+    line.split_whitespace().any(|word| word.starts_with('#'))
 }
 
 #[cfg(test)]
@@ -105,5 +110,16 @@ mod tests {
         let (text, bad) = decode(b"v 1 2 3\nusemtl K\xfcche\nusemtl K\xe4\xdf\nusemtl K\xc3\xbcche\n");
         let expected = "v 1 2 3\nusemtl Küche\nusemtl Käß\nusemtl Küche\n";
         assert_eq!((text.as_ref(), bad), (expected, Some(2)));
+    }
+
+    #[test]
+    fn a_trailing_comment_that_ends_in_a_folder_swallowed_the_next_line() {
+        let expected = [(1, "v 0 0 0 # C:\\x\\".to_owned()), (2, "v 1 0 0".to_owned())];
+        assert_eq!(all(b"v 0 0 0 # C:\\x\\\nv 1 0 0"), expected);
+        // A comment may also end a continued line.
+        let expected = [(1, "f 1 2  3 #x\\".to_owned()), (3, "f 1 2 4".to_owned())];
+        assert_eq!(all(b"f 1 2 \\\n3 #x\\\nf 1 2 4"), expected);
+        // The name holds a number sign.
+        assert_eq!(all(b"g a#b \\\nc"), [(1, "g a#b  c".to_owned())]);
     }
 }
