@@ -139,7 +139,8 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
     let folder = folder_of(referrer);
     let path = folder.join(&relative);
     let found = path.canonicalize().map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => {
+        // No file has a name that is too long, or lies below a file.
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename => {
             LoadErrorKind::MissingReference { reference: reference.to_owned(), looked_for: path.clone() }
         }
         _ => bad(&format!("cannot be read: {error} (looked for {})", shortened_reference(&path.to_string_lossy()))),

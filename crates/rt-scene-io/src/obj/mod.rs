@@ -489,4 +489,29 @@ mod tests {
         let options = LoadOptions { root: Some(outer.path().to_owned()), ..LoadOptions::default() };
         assert!(load_model(&inner.join("m.obj"), &options).is_ok());
     }
+
+    /// The system reports a name that is too long, or a file in place of a folder, by errors of their own.
+    #[test]
+    fn missing_files_of_long_names_and_below_files_were_errors() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+        let load = |library: &str| {
+            write("m.obj", &format!("mtllib {library}\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n"));
+            load_model(&folder.path().join("m.obj"), &LoadOptions::default()).expect("a model")
+        };
+        let [a, b] = ["a", "b"].map(|letter| letter.repeat(150) + ".mtl");
+        write(&a, "newmtl a\nKd 1 0 0\n");
+        write(&b, "newmtl b\nKd 0 0 1\n");
+        let model = load(&format!("{a} {b}"));
+        assert_eq!(model.warnings, []);
+        let colours: Vec<_> = model.materials.iter().map(|material| material.to_phong().diffuse).collect();
+        assert_eq!(colours, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)].map(ColorTexture::Constant));
+        let expected = "the material library `m.obj/y.mtl` does not exist; plain grey is used for its materials";
+        assert_eq!(load("m.obj/y.mtl").messages(), [expected]);
+        for image in ["i".repeat(300), "m.obj/i.png".to_owned()] {
+            write("c.mtl", &format!("newmtl a\nmap_Kd {image}\nnewmtl b\n"));
+            let expected = format!("the image `{image}` does not exist; the plain colour is used");
+            assert_eq!(load("c.mtl").messages(), [expected]);
+        }
+    }
 }
