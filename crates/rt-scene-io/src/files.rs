@@ -122,6 +122,38 @@ pub(crate) fn is_absolute(reference: &str) -> bool {
 /// # Errors
 /// An absolute reference, a URL, a path outside of the root, or a missing file.
 pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> Result<PathBuf, LoadErrorKind> {
+    resolve_normalized(reference, referrer, options, str::to_owned)
+}
+
+/// Version of [`resolve_path`] for the path of a URI, whose dot segments need no directories (RFC 3986, section 5.2.4).
+#[cfg(feature = "gltf")]
+pub(crate) fn resolve_uri(uri: &str, referrer: &Path, options: &LoadOptions) -> Result<PathBuf, LoadErrorKind> {
+    resolve_normalized(uri, referrer, options, without_dot_segments)
+}
+
+/// A relative path without `.`, and without `..` except at its beginning.
+#[cfg(feature = "gltf")]
+fn without_dot_segments(path: &str) -> String {
+    let mut kept: Vec<&str> = Vec::new();
+    for segment in path.split('/') {
+        match (segment, kept.last()) {
+            (".", _) | ("", None) => {}
+            ("..", Some(last)) if *last != ".." => {
+                kept.pop();
+            }
+            _ => kept.push(segment),
+        }
+    }
+    kept.join("/")
+}
+
+/// Resolves a reference by its path after `normalize`, which gets a relative path with slashes.
+fn resolve_normalized(
+    reference: &str,
+    referrer: &Path,
+    options: &LoadOptions,
+    normalize: fn(&str) -> String,
+) -> Result<PathBuf, LoadErrorKind> {
     let bad = |rule: &str| LoadErrorKind::bad_reference(reference, rule);
     if reference.is_empty() {
         return Err(bad("is empty: name a file"));
@@ -137,7 +169,7 @@ pub fn resolve_path(reference: &str, referrer: &Path, options: &LoadOptions) -> 
         return Err(bad("contains a NUL character"));
     }
     let folder = folder_of(referrer);
-    let path = folder.join(&relative);
+    let path = folder.join(normalize(&relative));
     let found = path.canonicalize().map_err(|error| match error.kind() {
         // No file has a name that is too long, or lies below a file.
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename => {

@@ -14,7 +14,7 @@ use super::meshopt;
 use crate::{
     LoadError, LoadErrorKind, LoadOptions,
     error::ErrorAt,
-    files::{read_referenced, resolve_path},
+    files::{read_referenced, resolve_uri},
     limits,
     memory::Reservation,
 };
@@ -141,7 +141,7 @@ pub(super) fn fetch(uri: &str, path: &Path, options: &LoadOptions) -> Result<Vec
         Some((scheme, rest)) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(rest),
         _ => {
             let decoded = percent_decode_str(uri).decode_utf8_lossy();
-            match read_referenced(&resolve_path(&decoded, path, options)?, options) {
+            match read_referenced(&resolve_uri(&decoded, path, options)?, options) {
                 // An empty buffer is no error before someone reads from it.
                 Err(LoadErrorKind::Empty) => Ok(Vec::new()),
                 other => other,

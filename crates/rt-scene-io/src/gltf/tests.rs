@@ -446,3 +446,35 @@ fn rounding_of_the_last_row_of_a_matrix_is_no_error() {
     let skewed = load_nodes(r#""nodes": [{"matrix": [1,0,0,1e-5, 0,1,0,0, 0,0,1,0, 0,0,0,1], "mesh": 0}]"#);
     assert!(skewed.warnings[0].message.contains("last row"));
 }
+
+/// RFC 3986, section 5.2.4: dot segments are removed from a URI before its path is used.
+#[test]
+fn dot_segments_of_uris_needed_their_directories() {
+    let outer = tempfile::tempdir().expect("a folder");
+    let inner = outer.path().join("inner");
+    std::fs::create_dir(&inner).expect("a folder");
+    for folder in [outer.path(), &inner] {
+        std::fs::write(folder.join("a.bin"), [1, 2, 3]).expect("written");
+    }
+    let options = LoadOptions::default();
+    let read = |uri: &str, options: &LoadOptions| buffers::fetch(uri, &inner.join("m.gltf"), options);
+    for uri in ["./x/../a.bin", "x/./y/../../a.bin", "x\\..\\a.bin", "x/%2E%2E/a.bin", "./a.bin"] {
+        let bytes = read(uri, &options).unwrap_or_else(|error| panic!("{uri}: {error}"));
+        assert_eq!(bytes, [1, 2, 3], "{uri}");
+    }
+    let refused = |uri: &str| read(uri, &options).expect_err(uri).to_string();
+    for uri in ["../a.bin", "x/../../a.bin", "../x/../a.bin", "./../inner/../a.bin"] {
+        assert!(refused(uri).starts_with(&format!("`{uri}` lies outside of ")), "{uri}: {}", refused(uri));
+    }
+    assert!(refused("x/..//etc/passwd").contains("does not exist"));
+    assert!(refused("/../a.bin").contains("is absolute"));
+    assert!(refused("x://../a.bin").contains("is a URL"));
+    assert!(refused("x/../b.bin").starts_with("`x/../b.bin` does not exist"), "{}", refused("x/../b.bin"));
+    let root = LoadOptions { root: Some(outer.path().to_owned()), ..LoadOptions::default() };
+    assert_eq!(read("x/../../a.bin", &root).expect("within the root"), [1, 2, 3]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(outer.path().join("a.bin"), inner.join("link.bin")).expect("linked");
+        assert!(refused("x/../link.bin").contains("lies outside of "));
+    }
+}
