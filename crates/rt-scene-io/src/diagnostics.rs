@@ -30,6 +30,11 @@ impl Diagnostics {
         }
     }
 
+    /// Copies of the known names, for an error about an unknown one. Empty once errors are no longer listed.
+    pub(crate) fn names<'n>(&self, names: impl IntoIterator<Item = &'n String>) -> Vec<String> {
+        if self.errors.len() < limits::PROBLEMS { names.into_iter().cloned().collect() } else { Vec::new() }
+    }
+
     /// Records a value that breaks a rule.
     pub(crate) fn refuse<T>(&mut self, path: impl Display, value: impl Display, rule: impl Into<String>) -> Option<T> {
         self.check(path, Err(LoadErrorKind::invalid(value, rule)))

@@ -288,6 +288,11 @@ fn check_count(line: usize, count: usize) -> Result<(), LineError> {
     LoadErrorKind::check_limit("the number of parameters", count as u64, limit).in_line(line)
 }
 
+/// A name that no directive has defined. The reader adds the defined names if the error is listed.
+pub(super) fn undefined(kind: &'static str, name: &str, line: usize) -> LineError {
+    LineError { line, kind: LoadErrorKind::unknown(kind, name, Vec::new()) }
+}
+
 /// A word that is not among those that are known.
 pub(super) fn unknown<'a>(
     kind: &'static str,

@@ -9,7 +9,7 @@ use rt_shading::TextureId;
 
 use super::file_scope::FileScope;
 use super::material::OptionalMaterial;
-use super::parameters::{Parameter, Parameters, unknown};
+use super::parameters::{Parameter, Parameters, undefined, unknown};
 use super::shape::DirectiveError;
 use super::state::{GraphicsState, TRANSFORMS};
 use super::texture::PbrtTextures;
@@ -161,9 +161,12 @@ impl<'f> PbrtReader<'f> {
             };
             match read {
                 Ok(()) => {}
-                Err(DirectiveError::Line(error)) => {
-                    if let LoadErrorKind::UnknownWord { kind, found, .. } = &error.kind {
+                Err(DirectiveError::Line(mut error)) => {
+                    if let LoadErrorKind::UnknownWord { kind, found, known } = &mut error.kind {
                         self.missing.push((kind, found.clone()));
+                        if known.is_empty() {
+                            *known = self.defined_names(kind);
+                        }
                     }
                     self.report(error);
                     tokens.skip_to_directive();
@@ -174,6 +177,18 @@ impl<'f> PbrtReader<'f> {
                 }
             }
         }
+    }
+
+    /// Names for an error about an undefined name of this kind.
+    fn defined_names(&self, kind: &str) -> Vec<String> {
+        let mut names = match kind {
+            "material" => self.report.names(self.named.keys()),
+            "object" => self.report.names(self.objects.keys()),
+            "coordinate system" => self.report.names(self.systems.keys()),
+            kind => self.report.names(self.textures.names(kind)),
+        };
+        names.retain(|name| !name.is_empty());
+        names
     }
 
     pub(super) fn report(&mut self, error: LineError) {
@@ -290,7 +305,7 @@ impl<'f> PbrtReader<'f> {
             "CoordSysTransform" => {
                 let name = tokens.text("the name of a coordinate system")?;
                 let Some(system) = self.systems.get(&name).copied() else {
-                    return Err(unknown("coordinate system", &name, line, self.systems.keys().map(String::as_str)));
+                    return Err(undefined("coordinate system", &name, line));
                 };
                 // A coordinate system has the transforms of both times, whichever is active.
                 self.state.matrix = system;

@@ -1,6 +1,7 @@
 use super::*;
 use crate::format::{Background, Color};
-use crate::{Content, SceneNode};
+use crate::text::tokenizer::Tokenizer;
+use crate::{Content, LoadErrorKind, SceneNode};
 use rt_camera::{FovAxis, Projection};
 use rt_geometry::Shape;
 use rt_math::{DVec3, Rgb, Transform};
@@ -536,4 +537,35 @@ fn names_of_media_with_a_space_were_parameters() {
     let expected = [left_out("MakeNamedMedium", ""), left_out("MediumInterface", " (2 times, this is the first)")];
     assert_eq!(model.messages(), expected);
     assert_eq!((shapes(&model).len(), model.materials[0].name.as_str()), (2, "my a"));
+}
+
+/// Each error copied all names, although few errors are listed.
+#[test]
+fn errors_about_undefined_names_copied_all_names() {
+    let options = LoadOptions::default();
+    let mut reader = PbrtReader::new(FileScope { root_file: Path::new("m.pbrt"), options: &options });
+    reader.read("WorldBegin\nMakeNamedMaterial \"m1\"\nMakeNamedMaterial \"m2\"\n");
+    let error = reader.appearance("NamedMaterial", 1, &mut Tokenizer::new("\"m\"")).expect_err("undefined");
+    assert!(matches!(&error.kind, LoadErrorKind::UnknownWord { known, .. } if known.is_empty()), "{error:?}");
+}
+
+#[test]
+fn errors_about_undefined_names_list_those_of_their_kind() {
+    let definitions = "MakeNamedMaterial \"m1\"\nMakeNamedMaterial \"m2\"\nObjectBegin \"o1\" ObjectEnd\n\
+                       CoordinateSystem \"c1\"\nTexture \"t1\" \"float\" \"constant\"\n\
+                       Texture \"s1\" \"spectrum\" \"constant\"\nMakeNamedMaterial \"\"\n";
+    let uses = "NamedMaterial \"m\"\nObjectInstance \"o\"\nCoordSysTransform \"c\"\n\
+                Shape \"disk\" \"texture alpha\" \"t\"\nMaterial \"diffuse\" \"texture reflectance\" \"s\"\n\
+                Material \"mix\" \"string materials\" [\"m1\" \"n\"]\n";
+    let error = load(&world(&format!("{definitions}{uses}"))).unwrap_err();
+    let messages: Vec<_> = error.diagnostics().iter().map(|diagnostic| diagnostic.kind.to_string()).collect();
+    let expected = [
+        "unknown material `m`; did you mean `m2`? Known are `m1`, `m2`",
+        "unknown object `o`; did you mean `o1`? Known are `o1`",
+        "unknown coordinate system `c`; did you mean `c1`? Known are `c1`, `world`",
+        "unknown float texture `t`; did you mean `t1`? Known are `t1`",
+        "unknown spectrum texture `s`; did you mean `s1`? Known are `s1`",
+        "unknown material `n`; known are `m1`, `m2`",
+    ];
+    assert_eq!(messages, expected);
 }

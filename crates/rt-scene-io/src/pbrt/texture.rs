@@ -8,7 +8,7 @@ use rt_math::Rgb;
 use rt_shading::{Alpha, AlphaMode, Bitmap, ColorTexture, NormalMap, Texture, TextureId, UvMap, Wrap};
 
 use super::file_scope::FileScope;
-use super::parameters::{Parameters, unknown};
+use super::parameters::{Parameters, undefined, unknown};
 use super::spectrum::colour;
 use crate::error::{ErrorInLine, LineError};
 use crate::files::read_texture_as;
@@ -58,8 +58,17 @@ pub(super) struct PbrtTextures {
 impl PbrtTextures {
     /// True if there is a texture of this [kind](TextureType::kind) and name.
     pub(super) fn is_defined(&self, kind: &str, name: &str) -> bool {
+        self.of_kind(kind).any(|named| named.contains_key(name))
+    }
+
+    /// Names of the textures of a kind.
+    pub(super) fn names(&self, kind: &str) -> impl Iterator<Item = &String> {
+        self.of_kind(kind).flat_map(BTreeMap::keys)
+    }
+
+    fn of_kind(&self, kind: &str) -> impl Iterator<Item = &BTreeMap<String, ColorTexture>> {
         let types = [TextureType::Float, TextureType::Spectrum];
-        types.into_iter().any(|of| of.kind() == kind && self.named[of as usize].contains_key(name))
+        types.into_iter().filter(move |of| of.kind() == kind).map(|of| &self.named[of as usize])
     }
 
     /// Adds the texture `name`; returns warnings about unsupported parts.
@@ -115,8 +124,7 @@ impl PbrtTextures {
             Some(parameter) if parameter.kind == "texture" => {
                 let texture = parameters.word(name, "texture")?.unwrap_or_default();
                 let named = &self.named[kind as usize];
-                let known = || named.keys().map(String::as_str);
-                named.get(texture).copied().ok_or_else(|| unknown(kind.kind(), texture, parameter.line, known()))
+                named.get(texture).copied().ok_or_else(|| undefined(kind.kind(), texture, parameter.line))
             }
             _ => {
                 let Some((rgb, warning)) = colour(parameters, name)? else {

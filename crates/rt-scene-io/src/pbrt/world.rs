@@ -5,7 +5,7 @@ use rt_shading::light::EmissionSides;
 use rt_shading::{Alpha, ColorTexture, Material};
 
 use super::light::PbrtLight;
-use super::parameters::{Parameters, unknown};
+use super::parameters::{Parameters, undefined, unknown};
 use super::reader::PbrtReader;
 use super::shape::{DirectiveError, PbrtShape};
 use super::state::Emission;
@@ -44,7 +44,7 @@ impl PbrtReader<'_> {
             return Ok(());
         }
         let Some(nodes) = self.objects.get(&name) else {
-            return Err(unknown("object", &name, line, self.objects.keys().map(String::as_str)));
+            return Err(undefined("object", &name, line));
         };
         let children = nodes.clone();
         self.add(SceneNode { children, ..SceneNode::empty(name, self.state.matrix) }, line)
@@ -68,7 +68,7 @@ impl PbrtReader<'_> {
         match word {
             "NamedMaterial" => {
                 let Some(surface) = self.named.get(&name) else {
-                    return Err(unknown("material", &name, line, self.named.keys().map(String::as_str)));
+                    return Err(undefined("material", &name, line));
                 };
                 self.state.surface = *surface;
             }
@@ -89,7 +89,7 @@ impl PbrtReader<'_> {
                 let (named, surfaces) = (&self.named, &self.surfaces);
                 let find = |part: &str| match named.get(part) {
                     Some(&index) => Ok(surfaces.get(index).cloned().flatten()),
-                    None => Err(unknown("material", part, line, named.keys().map(String::as_str))),
+                    None => Err(undefined("material", part, line)),
                 };
                 let mut surface = material::read(&kind, &parameters, &self.textures, find, &mut warnings)?;
                 let normal_map = self.textures.normal_map(&parameters, self.files)?;

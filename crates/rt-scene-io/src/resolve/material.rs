@@ -72,8 +72,7 @@ impl<'a> Materials<'a> {
         report: &mut Diagnostics,
     ) -> Result<MaterialId, LoadErrorKind> {
         let Some((name, definition)) = self.definitions.get_key_value(name) else {
-            let known = self.definitions.keys().cloned().collect();
-            return Err(LoadErrorKind::unknown("material", name, known));
+            return Err(LoadErrorKind::unknown("material", name, report.names(self.definitions.keys())));
         };
         if let Some(&id) = self.ids.get(name.as_str()) {
             return Ok(id);
@@ -262,5 +261,30 @@ fn product(color: ColorTexture, coefficient: ColorTexture) -> Result<ColorTextur
             "a texture",
             "cannot be multiplied by the texture of `color`: make one of them constant",
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::LoadOptions;
+
+    /// Each error copied all names, although few errors are listed.
+    #[test]
+    fn errors_that_are_not_listed_copied_all_names() {
+        let mirror = serde_json::from_str(r#"{"mirror": {}}"#).expect("a material");
+        let definitions = IndexMap::from([("red".to_owned(), mirror)]);
+        let (options, path) = (LoadOptions::default(), Path::new("a.ron"));
+        let (mut materials, mut textures) = (Materials::new(&definitions), Textures::new(path, &options));
+        let mut report = Diagnostics::new(path);
+        for index in 0..=limits::PROBLEMS {
+            let unknown = materials.id("rde", &mut textures, &mut report).expect_err("unknown");
+            let LoadErrorKind::UnknownWord { known, .. } = &unknown else { panic!("{unknown}") };
+            let is_listed = index < limits::PROBLEMS;
+            assert_eq!(known.len(), usize::from(is_listed), "{index}");
+            report.check::<()>("nodes", Err(unknown));
+        }
     }
 }

@@ -215,7 +215,7 @@ impl<'a> Objects<'a> {
         if self.file.groups.contains_key(group) && !self.group_ids.contains_key(group) {
             return None;
         }
-        let known = || self.file.groups.keys().cloned().collect();
+        let known = || self.report.names(self.file.groups.keys());
         let id = self.group_ids.get(group).copied().ok_or_else(|| LoadErrorKind::unknown("group", group, known()));
         self.report.check(format_args!("{path}.instance"), id)
     }
