@@ -14,7 +14,7 @@ use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_m
 const SQUARENESS: f64 = 1e-9;
 
 /// Makes area lights of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
-/// one, a torus, an animated one) are found by rays only.
+/// or coated one, a torus, an animated one) are found by rays only.
 pub(crate) fn area_lights(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> Vec<Light> {
     // Instances in a group store the index within the group; a group instance stores the index of its first light.
     let of_groups: Vec<AreaLights> = levels

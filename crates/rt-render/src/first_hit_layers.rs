@@ -64,7 +64,7 @@ layers! {
     Albedo = "albedo", ["R", "G", "B"];
     /// [`Material::roughness`](rt_shading::Material::roughness), 0 to 1.
     Roughness = "roughness", ["V"];
-    /// Emitted radiance.
+    /// Emitted radiance, below a clearcoat.
     Emission = "emission", ["R", "G", "B"];
     /// Texture coordinates of surfaces with textures. Those of others are zero, as plans leave them out. The third channel is that of
     /// [`Coverage`](Self::Coverage): Blender reads three.

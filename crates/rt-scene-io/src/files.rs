@@ -162,14 +162,15 @@ fn resolve_normalized(
     if relative.contains("://") || relative.starts_with("file:") {
         return Err(bad("is a URL: only files can be read"));
     }
-    if is_absolute(&relative) {
+    let normalized = normalize(&relative);
+    if is_absolute(&relative) || is_absolute(&normalized) {
         return Err(bad("is absolute: write it relative to the directory of the file that refers to it"));
     }
     if relative.contains('\0') {
         return Err(bad("contains a NUL character"));
     }
     let folder = folder_of(referrer);
-    let path = folder.join(normalize(&relative));
+    let path = folder.join(&normalized);
     let found = path.canonicalize().map_err(|error| match error.kind() {
         // No file has a name that is too long, or lies below a file.
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename => {

@@ -11,56 +11,67 @@ use rt_math::{random::hash, transcendental::acos};
 const NONE: [f32; 4] = [0.0; 4];
 
 /// Most corners at a position that the algorithm takes at once: its time grows with the square of their number.
-const MAX_CORNERS: u32 = 256;
+const MAX_CORNERS: u32 = 1024;
 
 /// Gives each vertex the tangent along which u of `uvs` rises, and the side on which v does. A vertex whose triangles
 /// disagree is split. Without normals the triangles are flat. Where more than [`MAX_CORNERS`] meet at a position, triangles are divided
-/// into parts, whose tangents do not depend on each other.
+/// into parts, whose tangents do not depend on each other. Triangles whose corners are not finite, or not apart, get none.
 pub(crate) fn generate(data: &mut MeshData, uvs: &[[f32; 2]]) {
-    let mut tangents = vec![[NONE; 3]; data.triangles.len()];
-    for faces in parts(data) {
-        let (first, tangents) = (faces.start, &mut tangents[faces]);
+    let faces = valid_faces(data);
+    let mut tangents = vec![[NONE; 3]; faces.len()];
+    for part in parts(data, &faces) {
+        let (faces, tangents) = (&faces[part.clone()], &mut tangents[part]);
         // Infallible: the error type has no values.
-        if generate_tangents(&mut Corners { data, uvs, first, tangents }).is_err() {
+        if generate_tangents(&mut Corners { data, uvs, faces, tangents }).is_err() {
             return;
         }
     }
-    assign(data, &tangents);
+    assign(data, &faces, &tangents);
 }
 
-/// Divides the triangles into parts in which at most [`MAX_CORNERS`] meet at a position. Positions are counted by a hash.
-fn parts(data: &MeshData) -> Vec<Range<usize>> {
-    let n_counts = (3 * data.triangles.len()).next_power_of_two();
+/// Triangles whose corners are finite and apart. For each of the others, the algorithm would search all triangles.
+fn valid_faces(data: &MeshData) -> Vec<usize> {
+    let is_valid = |face: &usize| {
+        let [a, b, c] = data.triangles[*face].map(|index| data.positions[index as usize]);
+        a != b && b != c && c != a && [a, b, c].iter().all(|p| p.is_finite())
+    };
+    (0..data.triangles.len()).filter(is_valid).collect()
+}
+
+/// Divides triangles into parts in which at most [`MAX_CORNERS`] meet at a position. Positions are counted by a hash.
+fn parts(data: &MeshData, faces: &[usize]) -> Vec<Range<usize>> {
+    let n_counts = (3 * faces.len()).next_power_of_two();
     let mut counts = vec![0; n_counts];
     let slot = |index: u32| {
-        let position = data.positions[index as usize].to_array();
+        // Both zeros are one position.
+        let position = data.positions[index as usize].to_array().map(|x| x + 0.0);
         hash(&position.map(|x| u64::from(x.to_bits()))) as usize % n_counts
     };
     let mut parts: Vec<Range<usize>> = Vec::new();
     let mut first = 0;
-    for (face, triangle) in data.triangles.iter().enumerate() {
-        let slots = triangle.map(slot);
+    for (at, &face) in faces.iter().enumerate() {
+        let slots = data.triangles[face].map(slot);
         if slots.iter().any(|&slot| counts[slot] >= MAX_CORNERS) {
-            for &index in data.triangles[first..face].as_flattened() {
+            for &index in faces[first..at].iter().flat_map(|&face| &data.triangles[face]) {
                 counts[slot(index)] = 0;
             }
-            parts.push(first..face);
-            first = face;
+            parts.push(first..at);
+            first = at;
         }
         for slot in slots {
             counts[slot] += 1;
         }
     }
-    parts.push(first..data.triangles.len());
+    parts.push(first..faces.len());
     parts
 }
 
-/// Stores one tangent for each vertex, and copies those that need several.
-fn assign(data: &mut MeshData, tangents: &[[[f32; 4]; 3]]) {
+/// Stores one tangent for each vertex of these triangles, and copies vertices that need several.
+fn assign(data: &mut MeshData, faces: &[usize], tangents: &[[[f32; 4]; 3]]) {
     data.tangents = vec![NONE; data.positions.len()];
     let mut copies: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     let mut taken = vec![false; data.positions.len()];
-    for (t, corners) in tangents.iter().enumerate() {
+    for (&t, corners) in faces.iter().zip(tangents) {
         for (k, &tangent) in corners.iter().enumerate() {
             let vertex = data.triangles[t][k];
             if !std::mem::replace(&mut taken[vertex as usize], true) {
@@ -96,21 +107,20 @@ fn again<T: Copy>(list: &mut Vec<T>, element: u32) {
 struct Corners<'a> {
     data: &'a MeshData,
     uvs: &'a [[f32; 2]],
-    /// Index of the first triangle.
-    first: usize,
-    /// Results for the triangles from this one on.
+    /// Indices of the triangles.
+    faces: &'a [usize],
     tangents: &'a mut [[[f32; 4]; 3]],
 }
 
 impl Corners<'_> {
     fn vertex(&self, face: usize, corner: usize) -> usize {
-        self.data.triangles[self.first + face][corner] as usize
+        self.data.triangles[self.faces[face]][corner] as usize
     }
 }
 
 impl Geometry<Portable> for Corners<'_> {
     fn num_faces(&self) -> usize {
-        self.tangents.len()
+        self.faces.len()
     }
 
     fn num_vertices_of_face(&self, _face: usize) -> usize {
@@ -126,7 +136,7 @@ impl Geometry<Portable> for Corners<'_> {
             Some(normal) => normal.normalize_or_zero().to_array(),
             None => {
                 let [a, b, c] =
-                    self.data.triangles[self.first + face].map(|i| self.data.positions[i as usize].as_dvec3());
+                    self.data.triangles[self.faces[face]].map(|i| self.data.positions[i as usize].as_dvec3());
                 (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
             }
         }
@@ -220,8 +230,8 @@ mod tests {
         let unshared = MeshData { positions: positions_of_copies, triangles: copies, ..MeshData::default() };
         let mut fan = MeshData { positions, triangles, uvs, ..MeshData::default() };
         for data in [&fan, &unshared] {
-            let parts = parts(data);
-            assert!((40..60).contains(&parts.len()), "{} parts", parts.len());
+            let parts = parts(data, &valid_faces(data));
+            assert!((10..12).contains(&parts.len()), "{} parts", parts.len());
             assert!(parts.iter().all(|part| part.len() <= MAX_CORNERS as usize));
             assert_eq!((parts[0].start, parts.last().map(|part| part.end)), (0, Some(n as usize)));
             assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start));
@@ -230,8 +240,22 @@ mod tests {
         let along_x = |[x, y, z, w]: [f32; 4]| x > 0.999 && y.abs() < 1e-3 && (z, w) == (0.0, 1.0);
         assert!(fan.tangents.iter().all(|&tangent| along_x(tangent)), "{:?}", fan.tangents);
         for (whole, count) in [(square(1.0), 2), (MeshData::default(), 0)] {
-            assert_eq!(parts(&whole), vec![Range { start: 0, end: count }]);
+            assert_eq!(parts(&whole, &valid_faces(&whole)), vec![Range { start: 0, end: count }]);
         }
+    }
+
+    /// The algorithm compares each of them with all other triangles.
+    #[test]
+    fn triangles_without_extent_or_finite_corners_are_left_out() {
+        let mut data = square(1.0);
+        data.positions.extend([Vec3::new(f32::NAN, 0.0, 0.0), Vec3::new(0.0, -0.0, 0.0)]);
+        data.normals.resize(6, Vec3::Z);
+        data.uvs.resize(6, [0.0; 2]);
+        data.triangles = vec![[0, 0, 1], [0, 1, 2], [0, 5, 1], [4, 1, 2], [0, 2, 3]];
+        assert_eq!(valid_faces(&data), [1, 4]);
+        along_first(&mut data);
+        assert_eq!(data.tangents[..4], [[0.0, 1.0, 0.0, 1.0]; 4]);
+        assert_eq!((data.tangents.len(), data.positions.len()), (6, 6), "no vertex is copied for them");
     }
 
     #[test]

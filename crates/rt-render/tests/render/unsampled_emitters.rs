@@ -4,7 +4,9 @@ use rt_geometry::{Shape, Torus};
 use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, RenderSettings, Scene, SceneNode};
-use rt_shading::{Background, ColorTexture, Texture, TextureId};
+use rt_shading::{
+    Background, ColorTexture, FloatTexture, LayeredBase, LayeredSurface, MaterialModel, Texture, TextureId,
+};
 
 use crate::support::{diffuse_shapes, film, node, node_at, sphere};
 
@@ -27,6 +29,12 @@ fn emitters() -> Vec<(&'static str, Scene)> {
     textured.appearance.textures =
         vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::new(0.7, 0.1, 0.1), size: 0.25 }];
     textured.appearance.materials[2].emission = ColorTexture::Textured(TextureId(0), Rgb::gray(6.0));
+    let base_color = ColorTexture::Constant(Rgb::BLACK);
+    let (metallic, roughness) = (FloatTexture::Constant(0.0), FloatTexture::Constant(1.0));
+    let layered = LayeredSurface::new(LayeredBase::MetallicRoughness { base_color, metallic, roughness });
+    let layered = LayeredSurface { clearcoat: FloatTexture::Constant(1.0), ..layered };
+    let mut coated = lit_by(at_rest());
+    coated.appearance.materials[2].model = MaterialModel::Layered(Box::new(layered));
     let mut group = lit_by(node_at(Content::Instance(GroupId(0)), 0, stretched));
     group.groups = vec![Group { name: "emitters".into(), nodes: vec![node(sphere(0.0, 0.0, 0.0, 0.6), 2)] }];
     vec![
@@ -34,6 +42,7 @@ fn emitters() -> Vec<(&'static str, Scene)> {
         ("stretched", lit_by(SceneNode { parent_from_local: stretched, ..at_rest() })),
         ("moving", lit_by(moving)),
         ("textured", textured),
+        ("coated", coated),
         ("group", group),
     ]
 }
@@ -51,6 +60,19 @@ fn emitters_that_are_not_sampled_gave_diffuse_surfaces_no_light() {
             Scene { settings: RenderSettings { integrator: Integrator::Direct, ..scene.settings }, ..scene.clone() };
         let off = difference(&film(&scene), &film(&direct));
         assert!(off < 1e-4, "{name} differs by {off}");
+    }
+}
+
+/// Lanes, single hits and the reference have the same emission and the same weights.
+#[test]
+fn path_tracing_of_them_is_that_of_the_reference() {
+    for (name, scene) in emitters() {
+        let by = |integrator| {
+            let settings = RenderSettings { integrator, spp: 4, depth: 2, ..scene.settings };
+            film(&Scene { settings, ..scene.clone() })
+        };
+        let off = difference(&by(Integrator::Path), &by(Integrator::PathReference));
+        assert!(off < 1e-3, "{name} differs by {off}");
     }
 }
 

@@ -231,7 +231,7 @@ pub enum Material {
         emission_sides: EmissionSides,
     },
     /// Weighted sum of materials. Weights of sum 1 blend them; weights of 1 add their reflection. Glass cannot be part
-    /// of it. Only one part may emit if one has a textured emission.
+    /// of it. Only one part may emit if one has a textured emission. Parts that emit must do so from the same sides.
     ///
     /// Example: `mix([(0.7, diffuse(albedo: 0.8)), (0.3, mirror())])`.
     Mix(Vec<(f64, Self)>),

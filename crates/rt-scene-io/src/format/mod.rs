@@ -97,8 +97,8 @@ pub struct SceneFile {
     /// Default: studio lights if no other light exists. Example: `lights: [point(position: (-3, 5, 4)), ambient(0.2)]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<Light>>,
-    /// Materials by name. One that is named like a material of a model replaces it, except its normal map and alpha; `phong` keeps
-    /// what it does not give.
+    /// Materials by name. One that is named like a material of a model replaces it, except normal map, occlusion and alpha.
+    /// `phong` keeps all that it does not give.
     ///
     /// Default: none. Example: `materials: {"red": diffuse(albedo: (0.8, 0.1, 0.1))}`.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty", deserialize_with = "unique_names")]

@@ -1,7 +1,7 @@
 //! The materials of an OBJ file: libraries are read at once, materials and their textures when first used.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeMap, HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -29,7 +29,7 @@ pub(super) struct MaterialLibrary<'a> {
     /// The OBJ file, for messages.
     path: &'a Path,
     /// Material and its file, by name. The first of several materials of a name counts.
-    known: HashMap<String, (tobj::Material, PathBuf)>,
+    known: BTreeMap<String, (tobj::Material, PathBuf)>,
     /// True if a missing library explains unknown names.
     incomplete: bool,
     /// By name, and whether vertex colours multiply it.
@@ -51,7 +51,7 @@ impl<'a> MaterialLibrary<'a> {
         options: &'a LoadOptions,
         model: &mut Model,
     ) -> Result<Self, LoadError> {
-        let (known, textures) = (HashMap::new(), ObjTextures::new(options));
+        let (known, textures) = (BTreeMap::new(), ObjTextures::new(options));
         let mut library = Self { options, path, known, incomplete: false, used: HashMap::new(), textures };
         for (line, names) in statements {
             library.open_all(names, *line, model)?;
@@ -171,9 +171,7 @@ impl<'a> MaterialLibrary<'a> {
     }
 
     fn unknown(&self, name: &str) -> Warning {
-        let mut known: Vec<&str> = self.known.keys().map(String::as_str).collect();
-        known.sort_unstable();
-        known.truncate(24);
+        let known: Vec<&str> = self.known.keys().map(String::as_str).take(24).collect();
         let known =
             if known.is_empty() { "there are none".to_owned() } else { format!("known are {}", known.join(", ")) };
         let message = format!("the material `{name}` is not defined in a library ({known}); plain grey is used");

@@ -144,7 +144,7 @@ fn changed(
             && (read.emission_sides == base.emission_sides || base.emission.is_zero())
             && read.emission == base.emission
             && read.interior == base.interior;
-        // A definition without changes keeps the Phong override of the model. Normal maps and alpha are always kept.
+        // A definition without changes keeps the Phong override of the model. Normal map, occlusion and alpha are always kept.
         return Some(if is_same {
             base
         } else {

@@ -142,15 +142,22 @@ impl ModelReader<'_, '_> {
             if sum.emission.is_zero() {
                 (sum.emission, sum.emission_sides) = (emission, part.emission_sides);
             } else if !emission.is_zero() {
-                let (ColorTexture::Constant(a), ColorTexture::Constant(b)) = (sum.emission, emission) else {
-                    let rule = "cannot be added to that of another part: only one part may emit if one has a texture";
-                    return self.report.refuse(&at, "the emission", rule);
+                let total = match (sum.emission, emission) {
+                    (ColorTexture::Constant(a), ColorTexture::Constant(b)) => ColorTexture::Constant(a + b),
+                    (ColorTexture::Textured(i, a), ColorTexture::Textured(j, b)) if i == j => {
+                        ColorTexture::Textured(i, a + b)
+                    }
+                    _ => {
+                        let rule =
+                            "cannot be added to that of another part: only one part may emit if one has a texture";
+                        return self.report.refuse(&at, "the emission", rule);
+                    }
                 };
                 if sum.emission_sides != part.emission_sides {
                     let rule = "must be those of the other parts: a `light` among them needs `emission_sides: both`";
                     return self.report.refuse(&at, "the sides that emit", rule);
                 }
-                sum.emission = ColorTexture::Constant(a + b);
+                sum.emission = total;
             }
             mixed.push((weight, part.model));
         }

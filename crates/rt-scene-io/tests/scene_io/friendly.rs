@@ -39,6 +39,25 @@ fn albedo_in_json(text: &str) -> ColorTexture {
 }
 
 #[test]
+fn the_emission_of_a_mix_is_the_sum_of_its_parts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    image::RgbImage::new(1, 1).save(folder.path().join("a.png")).expect("written");
+    let emission = |parts: &str| {
+        let nodes = "nodes: [(shape: sphere(), material: \"m\")]";
+        let path = folder.path().join("scene.ron");
+        let file = parse_ron(&format!("(materials: {{\"m\": mix([{parts}])}}, {nodes})"), &path).expect("a scene");
+        resolve(&file, &path, &LoadOptions::default()).expect(parts).appearance.materials[0].emission
+    };
+    let image = "diffuse(emission: image(file: \"a.png\"))";
+    let gray = |x: f64| ColorTexture::Constant(Rgb::gray(x));
+    assert_eq!(emission("(0.5, diffuse(emission: 4)), (0.25, diffuse(emission: 8))"), gray(4.0));
+    let ColorTexture::Textured(id, half) = emission(&format!("(0.5, {image})")) else { panic!("a texture") };
+    let twice = emission(&format!("(0.5, {image}), (0.5, {image})"));
+    assert_eq!(twice, ColorTexture::Textured(id, half + half));
+    assert_eq!(emission(&format!("(0, {image}), (0.5, light(radiance: 4))")), gray(2.0));
+}
+
+#[test]
 fn colours_are_written_as_people_write_them() {
     let red = ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0));
     for text in
