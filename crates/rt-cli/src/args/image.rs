@@ -143,8 +143,6 @@ pub(crate) struct ViewArgs {
 #[command(next_help_heading = "Tone mapping")]
 pub(crate) struct DevelopmentArgs {
     /// Set the exposure in stops: 1 doubles the brightness, -1 halves it [default: as in the scene, or 0]
-    ///
-    /// Debug views that --integrator chooses do not take exposure and tone curve from the scene.
     #[arg(long, value_name = "EV", value_parser = values::exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f64>,
 
