@@ -76,6 +76,20 @@ fn path_tracing_of_them_is_that_of_the_reference() {
     }
 }
 
+/// A texture of one colour is not sampled, and has the same image: explicit samples would not count the coat.
+#[test]
+fn emission_below_a_clearcoat_is_not_sampled() {
+    let coated = emitters().into_iter().find_map(|(name, scene)| (name == "coated").then_some(scene)).expect("coated");
+    let settings = RenderSettings { integrator: Integrator::Path, spp: 4, depth: 2, ..coated.settings };
+    let coated = Scene { settings, ..coated };
+    let mut textured = coated.clone();
+    let emission = &mut textured.appearance.materials[2].emission;
+    *emission = ColorTexture::Textured(TextureId(0), emission.factor());
+    textured.appearance.textures = vec![Texture::Checker { even: Rgb::WHITE, odd: Rgb::WHITE, size: 1.0 }];
+    let off = difference(&film(&coated), &film(&textured));
+    assert!(off < 1e-6, "they differ by {off}");
+}
+
 #[test]
 fn their_rays_find_no_background_where_ambient_light_stands_for_it() {
     for (name, black) in emitters() {
