@@ -64,7 +64,7 @@ pub use keyframes::{Interpolation, Keyframes, KeyframesError};
 pub use ray::Ray;
 pub use real::{F32, Float64, Mask, Real};
 pub use rgb::Rgb;
-pub use sampler::Sampler;
+pub use sampler::{Sampler, Samplers};
 pub use transform::{Transform, TransformError};
 pub use vector3::Vector3;
 

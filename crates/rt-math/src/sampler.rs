@@ -65,3 +65,29 @@ pub trait Sampler {
         }
     }
 }
+
+/// Samplers of one type, for functions that are compiled once for all types.
+pub trait Samplers {
+    /// The sampler of this index; `None` beyond the last one.
+    fn get(&mut self, index: usize) -> Option<&mut dyn Sampler>;
+
+    /// Calls [`Sampler::next_1d_batch`].
+    fn next_1d_batch(&mut self, which: &[u32], values: &mut [f64]);
+
+    /// Calls [`Sampler::next_2d_batch`].
+    fn next_2d_batch(&mut self, which: &[u32], pairs: &mut [[f64; 2]]);
+}
+
+impl<S: Sampler> Samplers for &mut [S] {
+    fn get(&mut self, index: usize) -> Option<&mut dyn Sampler> {
+        self.get_mut(index).map(|sampler| sampler as _)
+    }
+
+    fn next_1d_batch(&mut self, which: &[u32], values: &mut [f64]) {
+        S::next_1d_batch(self, which, values);
+    }
+
+    fn next_2d_batch(&mut self, which: &[u32], pairs: &mut [[f64; 2]]) {
+        S::next_2d_batch(self, which, pairs);
+    }
+}

@@ -73,7 +73,7 @@ impl RenderPlan<'_> {
         &self,
         job: &TileJob<'_>,
         batch: &mut PrimaryRayBatch,
-        mut radiance: impl FnMut(&mut RayStream, &[SampleStream], &mut [RadianceSample]),
+        mut radiance: impl FnMut(&mut RayStream, &mut [SampleStream], &mut [RadianceSample]),
     ) -> TileResult {
         let pass_spec = job.pass_spec;
         let counts = pass_spec.pixels_of(job.tile).map(|pixel| job.spp_of(pixel));
@@ -171,7 +171,7 @@ fn trace<N: Iterator<Item = u32>>(
     batch: &mut PrimaryRayBatch,
     accumulator: &mut TileAccumulator<N>,
     backdrop: Option<Rgb>,
-    radiance: &mut impl FnMut(&mut RayStream, &[SampleStream], &mut [RadianceSample]),
+    radiance: &mut impl FnMut(&mut RayStream, &mut [SampleStream], &mut [RadianceSample]),
 ) {
     batch.radiances.resize(batch.weights.len(), RadianceSample::MISS);
     let PrimaryRayBatch { rays, samplers, radiances, .. } = batch;

@@ -1,7 +1,6 @@
 //! Rendering of a tile.
 
 use rt_accel::{AnyAccelerator, wide::SmallSet};
-use rt_camera::SampleStream;
 use rt_geometry::HitStream;
 use rt_scene_io::Integrator;
 use rt_shading::{
@@ -27,7 +26,7 @@ use crate::{
 /// Buffers that a thread reuses from tile to tile.
 pub(crate) struct ThreadState {
     whitted: Whitted,
-    paths: PathTracer<SampleStream>,
+    paths: PathTracer,
     occlusion: OcclusionWave,
     hits: HitStream,
     camera: PrimaryRayBatch,
@@ -96,10 +95,10 @@ impl RenderPlan<'_> {
                     counts: ShadingCounts::default(),
                 };
                 let mut result = self.sample_tile(job, camera, |rays, samplers, radiances| {
-                    for (at, (sampler, radiance_sample)) in samplers.iter().zip(radiances).enumerate() {
+                    for (at, (sampler, radiance_sample)) in samplers.iter_mut().zip(radiances).enumerate() {
                         let (ray, _) = rays.get(at);
                         medium.find(&mut tracer, materials, &ray, &mut reference.camera_media);
-                        *radiance_sample = reference.li(&mut tracer, &ray, &mut sampler.clone());
+                        *radiance_sample = reference.li(&mut tracer, &ray, sampler);
                     }
                 });
                 result.statistics.shading = reference.counts;

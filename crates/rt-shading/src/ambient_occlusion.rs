@@ -29,12 +29,12 @@ pub struct OcclusionWave {
 impl OcclusionWave {
     /// Estimates occlusion by one direction per camera ray: `radiances[i]` is that of ray `i`, which uses `samplers[i]`. Does nothing
     /// with fewer samplers or entries of `radiances` than rays.
-    pub fn radiance_of<S: Sampler + Clone>(
+    pub fn radiance_of(
         &mut self,
         view: &AmbientOcclusion,
-        world: &mut impl StreamQueries,
+        world: &mut dyn StreamQueries,
         rays: &RayStream,
-        samplers: &[S],
+        samplers: &mut [impl Sampler],
         radiances: &mut [RadianceSample],
     ) {
         if samplers.len().min(radiances.len()) < rays.len() {
@@ -51,7 +51,7 @@ impl OcclusionWave {
             let direction = ray.direction.normalize();
             let inside = is_inside(direction, &hit.interaction);
             let surface = ViewedSurface::new(direction, inside, &mut hit.interaction);
-            let towards = Frame::from_z(surface.normal).from_local(cosine_hemisphere(sampler.clone().next_2d()));
+            let towards = Frame::from_z(surface.normal).from_local(cosine_hemisphere(sampler.next_2d()));
             if towards.dot(surface.surface.geometric_normal) * if inside { -1.0 } else { 1.0 } <= 0.0 {
                 // Below the actual surface, where an interpolated normal reaches.
                 radiance_sample.radiance = Rgb::BLACK;

@@ -25,7 +25,7 @@ impl AovIntegrator {
     /// Computes the result of camera rays: `radiances[i]` is that of ray `i`. `hits` is a buffer.
     pub fn radiance_of(
         &self,
-        world: &mut impl StreamQueries,
+        world: &mut dyn StreamQueries,
         rays: &RayStream,
         hits: &mut HitStream,
         radiances: &mut [RadianceSample],

@@ -35,7 +35,7 @@ use inputs::PathInputs;
 use lane_material::LaneMaterials;
 pub(crate) use path_stream::PrevVertex;
 use rt_geometry::RayStream;
-use rt_math::Sampler;
+use rt_math::{Sampler, Samplers};
 pub use settings::{Lighting, PathSettings};
 pub use transport::Transport;
 use wave::{PathBatch, PathStreams};
@@ -58,7 +58,7 @@ use wave::{PathBatch, PathStreams};
 /// Shading in lanes is in `f32`; positions, hits, densities of lights and sums are `f64`. The radiance of a camera ray is bit-identical
 /// in every wave, with every instruction set, and with one lane. Keep one instance per thread: all buffers are reused.
 #[derive(Clone, Debug)]
-pub struct PathTracer<S> {
+pub struct PathTracer {
     settings: PathSettings,
     features: ShadingFeatures,
     /// Known after the first call.
@@ -69,17 +69,17 @@ pub struct PathTracer<S> {
     lanes: Option<LaneLevel>,
     /// False as long as all rays are at time 0.
     has_time: bool,
-    streams: Streams<S>,
+    streams: Streams,
 }
 
 /// Streams with the numbers for shading.
 #[derive(Clone, Debug)]
-enum Streams<S> {
-    F32(PathStreams<S, f32>),
-    F64(PathStreams<S, f64>),
+enum Streams {
+    F32(PathStreams<f32>),
+    F64(PathStreams<f64>),
 }
 
-impl<S: Sampler + Clone> PathTracer<S> {
+impl PathTracer {
     /// Integrator with these settings. It computes only these `features`. All calls must be with the same lighting.
     pub fn new(settings: PathSettings, features: ShadingFeatures) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
             camera_media: Vec::new(),
             lanes: LaneLevel::best(),
             has_time: false,
-            streams: Streams::F32(PathStreams::new()),
+            streams: Streams::F32(PathStreams::default()),
         }
     }
 
@@ -101,7 +101,7 @@ impl<S: Sampler + Clone> PathTracer<S> {
     /// Shades in `f64` with the same code, one hit at a time.
     #[must_use]
     pub fn in_f64(self) -> Self {
-        Self { streams: Streams::F64(PathStreams::new()), ..self }
+        Self { streams: Streams::F64(PathStreams::default()), ..self }
     }
 
     /// Sets the media around the camera: one list for all paths, or one for each path of the next call. Without a list, all
@@ -118,20 +118,30 @@ impl<S: Sampler + Clone> PathTracer<S> {
         })
     }
 
-    /// Estimates radiance, and consumes the camera rays of a stream: `radiances[i]` is that of ray `i`, whose path uses
-    /// `samplers[i]`. Does nothing unless `samplers` and `radiances` have an entry for each ray. Non-finite scenes give non-finite
-    /// radiance, which the caller handles.
+    /// Estimates radiance, and consumes the camera rays of a stream: `radiances[i]` is that of ray `i`, whose path draws its numbers
+    /// from `samplers[i]`. Does nothing unless `samplers` and `radiances` have an entry for each ray. Non-finite scenes give
+    /// non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
-        world: &mut impl StreamQueries,
+        world: &mut dyn StreamQueries,
         lighting: Lighting<'_>,
         rays: &mut RayStream,
-        samplers: &[S],
+        mut samplers: &mut [impl Sampler],
         radiances: &mut [RadianceSample],
     ) {
-        if radiances.len() != rays.len() || samplers.len() != rays.len() {
-            return;
+        if radiances.len() == rays.len() && samplers.len() == rays.len() {
+            self.trace(world, lighting, rays, &mut samplers, radiances);
         }
+    }
+
+    fn trace(
+        &mut self,
+        world: &mut dyn StreamQueries,
+        lighting: Lighting<'_>,
+        rays: &mut RayStream,
+        samplers: &mut dyn Samplers,
+        radiances: &mut [RadianceSample],
+    ) {
         let Self { settings, features, materials, camera_media, lanes, has_time, streams } = self;
         *has_time |= rays.has_time();
         if !*has_time {

@@ -125,7 +125,7 @@ impl Whitted {
     /// has an entry for each ray. Non-finite scenes give non-finite radiance, which the caller handles.
     pub fn radiance_of_stream(
         &mut self,
-        world: &mut impl StreamQueries,
+        world: &mut dyn StreamQueries,
         appearance: &Appearance,
         rays: &mut RayStream,
         radiances: &mut [RadianceSample],

@@ -9,12 +9,12 @@ use rt_math::{DVec3, Interval, Ray, Rgb, Sampler};
 
 impl<E: Element> SpawnedPaths<E> {
     /// Samples all delta lights and one area or environment light, and queues their shadow rays.
-    pub(super) fn sample_direct_lighting<S: Sampler>(
+    pub(super) fn sample_direct_lighting(
         &mut self,
         inputs: &PathInputs<'_>,
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
-        sampler: &mut S,
+        sampler: &mut dyn Sampler,
         radiance_sample: &mut RadianceSample,
     ) {
         if vertex.bsdf.is_delta() {
@@ -65,13 +65,13 @@ impl<E: Element> SpawnedPaths<E> {
     }
 
     /// Samples one area or environment light, with `media` on both sides of the surface.
-    fn sample_light<S: Sampler>(
+    fn sample_light(
         &mut self,
         inputs: &PathInputs<'_>,
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
         media: &MediaAround,
-        sampler: &mut S,
+        sampler: &mut dyn Sampler,
     ) {
         let lights = inputs.lighting.lights;
         let surface = vertex.view.surface;

@@ -233,8 +233,8 @@ impl GatheredBsdfs {
 }
 
 /// Gathers the surfaces of the hits of a mask, from index `at` on.
-pub(super) fn gather<W: StreamQueries, E: Element>(
-    world: &W,
+pub(super) fn gather<E: Element>(
+    world: &dyn StreamQueries,
     materials: &LaneMaterials,
     (hits, groups, first): (&HitStream, &HitGroups, usize),
     mask: u8,

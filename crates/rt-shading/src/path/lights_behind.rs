@@ -36,10 +36,10 @@ impl<E: Element> SpawnedPaths<E> {
     }
 
     /// Adds the light of sampled lights on these rays, up to the next object that ends shadow rays.
-    pub(super) fn add_lights_behind<W: StreamQueries>(
+    pub(super) fn add_lights_behind(
         &mut self,
         inputs: &PathInputs<'_>,
-        world: &mut W,
+        world: &mut dyn StreamQueries,
         bounces: u32,
         radiances: &mut [RadianceSample],
     ) {

@@ -2,7 +2,7 @@
 
 use super::{inputs::PathInputs, lane_material::VertexKind};
 use rt_geometry::StreamArray;
-use rt_math::Sampler;
+use rt_math::Samplers;
 
 /// Samples by index of the ray (pbrt: `RaySamples`), one array for each number. Those of rays that are not
 /// shaded in lanes have no meaning.
@@ -33,10 +33,10 @@ struct Draws {
 impl RaySamples {
     /// Draws the samples of the rays that are shaded in lanes, after this many bounces: for a light, and for the
     /// next direction.
-    pub(super) fn draw<S: Sampler>(
+    pub(super) fn draw(
         &mut self,
         inputs: &PathInputs<'_>,
-        samplers: &mut [S],
+        samplers: &mut dyn Samplers,
         (of_rays, kinds): (&[u32], &[VertexKind]),
         bounces: u32,
     ) {
@@ -79,17 +79,17 @@ impl Draws {
         }
     }
 
-    fn draw_numbers<S: Sampler>(&mut self, samplers: &mut [S], to: &mut StreamArray<f64>) {
+    fn draw_numbers(&mut self, samplers: &mut dyn Samplers, to: &mut StreamArray<f64>) {
         self.numbers.resize(self.rays.len(), 0.0);
-        S::next_1d_batch(samplers, &self.samplers, &mut self.numbers);
+        samplers.next_1d_batch(&self.samplers, &mut self.numbers);
         for (at, number) in self.rays.iter().zip(&self.numbers) {
             to.set(*at as usize, *number);
         }
     }
 
-    fn draw_pairs<S: Sampler>(&mut self, samplers: &mut [S], [x, y]: &mut [StreamArray<f64>; 2]) {
+    fn draw_pairs(&mut self, samplers: &mut dyn Samplers, [x, y]: &mut [StreamArray<f64>; 2]) {
         self.pairs.resize(self.rays.len(), [0.0; 2]);
-        S::next_2d_batch(samplers, &self.samplers, &mut self.pairs);
+        samplers.next_2d_batch(&self.samplers, &mut self.pairs);
         for (at, [u, v]) in self.rays.iter().zip(&self.pairs) {
             x.set(*at as usize, *u);
             y.set(*at as usize, *v);

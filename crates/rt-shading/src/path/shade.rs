@@ -36,12 +36,12 @@ pub(super) struct HitPath<'a, E: Element> {
 impl<E: Element> SpawnedPaths<E> {
     /// Adds emission at the hit of a ray, samples direct light there, and samples the next ray of the path. For a surface that can be
     /// shaded in lanes, only the emission is added, and the surface is pushed; returns true for it.
-    pub(super) fn shade_hit<S: Sampler>(
+    pub(super) fn shade_hit(
         &mut self,
         inputs: &PathInputs<'_>,
         (wave, at): (&PathWave<'_, E>, usize),
         hit: &mut SurfaceHit,
-        (groups, sampler): (&mut HitGroups, &mut S),
+        (groups, sampler): (&mut HitGroups, &mut dyn Sampler),
         radiance_sample: &mut RadianceSample,
     ) -> bool {
         let &PathInputs { settings, features, lighting, .. } = inputs;
@@ -179,12 +179,12 @@ impl<E: Element> SpawnedPaths<E> {
     }
 
     /// Samples the next direction of the path.
-    fn sample_bsdf<S: Sampler>(
+    fn sample_bsdf(
         &mut self,
         inputs: &PathInputs<'_>,
         path: &HitPath<'_, E>,
         vertex: &Vertex<'_>,
-        sampler: &mut S,
+        sampler: &mut dyn Sampler,
     ) {
         let settings = inputs.settings;
         let bounces = path.wave.bounces;

@@ -101,10 +101,16 @@ fn trace(
     let samplers: Vec<_> = (0..rays.len() as u64).map(|key| Independent { key, dimension: 0 }).collect();
     let spans: Vec<_> = rays.iter().map(|ray| (*ray, Interval::FORWARD)).collect();
     let features = ShadingFeatures::of(lighting.appearance, |_| true);
-    let mut radiance_of = |mut paths: PathTracer<Independent>| {
+    let mut radiance_of = |mut paths: PathTracer| {
         let seen = in_streams(&spans, |range, rays, seen| {
             paths.set_camera_media(if camera_media.len() > 1 { &camera_media[range.clone()] } else { camera_media });
-            paths.radiance_of_stream(&mut SingleQueries::new(world), lighting, rays, &samplers[range], seen);
+            paths.radiance_of_stream(
+                &mut SingleQueries::new(world),
+                lighting,
+                rays,
+                &mut samplers[range].to_vec(),
+                seen,
+            );
         });
         (seen, paths.take_counts())
     };
@@ -283,7 +289,7 @@ fn what_is_seen_does_not_depend_on_the_wave() {
     let mut radiance_of = |range: Range<usize>| {
         in_streams(&rays[range.clone()], |_, rays, seen| {
             let world = &mut SingleQueries::new(&mut scene.world);
-            tracer.radiance_of_stream(world, lighting, rays, &samplers[range.clone()], seen);
+            tracer.radiance_of_stream(world, lighting, rays, &mut samplers[range.clone()].to_vec(), seen);
         })
     };
     let together = radiance_of(0..20);

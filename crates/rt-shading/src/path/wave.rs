@@ -15,21 +15,20 @@ use crate::{
     wavefront::streams::{DeltaStreams, ShadowRayStream},
 };
 use rt_geometry::{HitStream, RayKind, RayStream};
-use rt_math::{Rgb, Sampler};
+use rt_math::{Rgb, Samplers};
 
 /// Camera rays, their samplers, the media around the camera, and the radiance of the rays.
-pub(super) struct PathBatch<'a, S> {
+pub(super) struct PathBatch<'a> {
     pub(super) rays: &'a mut RayStream,
-    pub(super) samplers: &'a [S],
+    pub(super) samplers: &'a mut dyn Samplers,
     /// One list for all rays, or one for each; none for air.
     pub(super) camera_media: &'a [InteriorList],
     pub(super) radiances: &'a mut [RadianceSample],
 }
 
-/// Streams of a wave, and the samplers of its paths.
-#[derive(Clone, Debug)]
-pub(super) struct PathStreams<S, E: Element> {
-    samplers: Vec<S>,
+/// Streams of a wave.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PathStreams<E: Element> {
     samples: RaySamples,
     paths: PathStreamsByKind<E>,
     /// Paths that have passed null interfaces in this wave.
@@ -80,39 +79,25 @@ pub(super) struct ShadeHits<'a, E: Element> {
 /// Gathers the surfaces of the hits of some lanes, from an index on.
 pub(super) type GatherHits<'a, E> = dyn Fn(usize, u8, &mut Gathered<E>) + 'a;
 
-impl<S: Sampler + Clone, E: Element> PathStreams<S, E> {
-    pub(super) fn new() -> Self {
-        Self {
-            samplers: Vec::new(),
-            samples: RaySamples::default(),
-            paths: PathStreamsByKind::default(),
-            null_interface_paths: PathStream::default(),
-            hits: HitStream::default(),
-            groups: HitGroups::default(),
-            dense: Default::default(),
-            spawned: SpawnedPaths::default(),
-        }
-    }
-
+impl<E: Element> PathStreams<E> {
     /// Traces the paths of camera rays, and shades them at a level.
-    pub(super) fn trace<W: StreamQueries>(
+    pub(super) fn trace(
         &mut self,
         inputs: &PathInputs<'_>,
         level: Option<LaneLevel>,
-        world: &mut W,
-        batch: PathBatch<'_, S>,
+        world: &mut dyn StreamQueries,
+        batch: PathBatch<'_>,
     ) {
         let PathBatch { rays, samplers, camera_media, radiances } = batch;
         radiances.fill(RadianceSample::MISS);
-        samplers.clone_into(&mut self.samplers);
         let n_delta = inputs.lighting.lights.delta_lights().count();
-        self.spawned.start(inputs, n_delta, (samplers.len(), camera_media));
+        self.spawned.start(inputs, n_delta, (rays.len(), camera_media));
         self.paths.clear();
         self.paths.diffuse.start(rays);
         let mut diffuse_kind = RayKind::Primary;
         let mut bounces = 0;
         while !self.paths.is_empty() {
-            let Self { samplers, samples, paths, null_interface_paths, hits, groups, dense, spawned } = self;
+            let Self { samples, paths, null_interface_paths, hits, groups, dense, spawned } = self;
             let mut shade = |kind: RayKind, paths: &PathStream<E>, spawned: &mut SpawnedPaths<E>| {
                 if paths.rays.is_empty() {
                     return;
@@ -183,12 +168,12 @@ impl<E: Element> SpawnedPaths<E> {
     }
 
     /// Groups the hits of a wave by the code that shades them. Those that are not shaded in lanes are shaded here.
-    fn group<W: StreamQueries, S: Sampler>(
+    fn group(
         &mut self,
         inputs: &PathInputs<'_>,
-        world: &W,
+        world: &dyn StreamQueries,
         wave: &PathWave<'_, E>,
-        (groups, samplers): (&mut HitGroups, &mut [S]),
+        (groups, samplers): (&mut HitGroups, &mut dyn Samplers),
         radiances: &mut [RadianceSample],
     ) {
         let PathWave { paths, hits, bounces } = wave;
@@ -235,9 +220,12 @@ impl<E: Element> SpawnedPaths<E> {
             let (ray, _) = paths.rays.get(at);
             // The surface is large, and not moved.
             let hit = &mut world.surface(&ray, hits, at, needs);
-            let is_in_lanes = hit.as_mut().is_some_and(|hit| {
-                self.shade_hit(inputs, (wave, at), hit, (groups, &mut samplers[id]), &mut radiances[id])
-            });
+            let is_in_lanes = match (hit, samplers.get(id)) {
+                (Some(hit), Some(sampler)) => {
+                    self.shade_hit(inputs, (wave, at), hit, (groups, sampler), &mut radiances[id])
+                }
+                _ => false,
+            };
             if !is_in_lanes {
                 groups.push(VertexKind::Done);
             }

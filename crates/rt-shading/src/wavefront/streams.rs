@@ -102,7 +102,7 @@ impl<E: Element> ShadowRayStream<E> {
     }
 
     /// Traces the rays. [`add_unoccluded`](Self::add_unoccluded) comes next.
-    pub(crate) fn trace(&mut self, world: &mut impl StreamQueries) {
+    pub(crate) fn trace(&mut self, world: &mut dyn StreamQueries) {
         if !self.rays.is_empty() {
             world.occluded_stream(&self.rays, &mut self.occluded[..self.rays.len()]);
         }
@@ -112,7 +112,7 @@ impl<E: Element> ShadowRayStream<E> {
     /// carries.
     pub(crate) fn trace_through_media(
         &mut self,
-        world: &mut impl StreamQueries,
+        world: &mut dyn StreamQueries,
         scene: (&ShadingFeatures, &[Material]),
         interior: impl Fn(u32) -> InteriorList,
         counts: &mut ShadingCounts,

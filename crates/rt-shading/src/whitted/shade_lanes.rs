@@ -24,7 +24,7 @@ use crate::{
 use rt_geometry::HitStream;
 use rt_math::{Real, Rgb};
 
-impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeRayTreeHits<'_, W, E> {
+impl<E: Element> LaneStage<E> for ShadeRayTreeHits<'_, E> {
     #[inline(always)]
     fn run<L: LaneSet<Element = E>>(self, lanes: L) {
         let Self { spawned, inputs, world, wave, radiances } = self;
@@ -35,10 +35,10 @@ impl<W: StreamQueries, E: Element> LaneStage<E> for ShadeRayTreeHits<'_, W, E> {
 impl<E: Element> SpawnedRays<E> {
     /// Shades those closest hits of a wave that are shaded in lanes, and adds the background to the samples of rays without a hit.
     #[inline(always)]
-    fn shade<W: StreamQueries, L: LaneSet<Element = E>>(
+    fn shade<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &RayTreeInputs<'_>),
-        world: &W,
+        world: &dyn StreamQueries,
         (paths, hits): RayTreeWave<'_, E>,
         radiances: &mut [RadianceSample],
     ) {
@@ -93,10 +93,10 @@ impl<E: Element> SpawnedRays<E> {
 
     /// Shades the hits of some lanes, from index `at` on, on triangles of a material. Returns their lanes.
     #[inline(never)]
-    fn shade_triangles<W: StreamQueries, L: LaneSet<Element = E>>(
+    fn shade_triangles<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &RayTreeInputs<'_>),
-        world: &W,
+        world: &dyn StreamQueries,
         (paths, hits): RayTreeWave<'_, E>,
         (at, mask): (usize, u8),
         (model, material): (&LanePhong, u32),
@@ -125,9 +125,9 @@ impl<E: Element> SpawnedRays<E> {
 
     /// Gathers the triangles of a material that the rays of a mask have hit, from index `at` on, and returns their lanes.
     #[inline(never)]
-    fn gather_triangles<W: StreamQueries>(
+    fn gather_triangles(
         &mut self,
-        world: &W,
+        world: &dyn StreamQueries,
         (hits, at, mask): (&HitStream, usize, u8),
         (material, has_uv): (u32, bool),
         objects: &mut [u32; LANES],

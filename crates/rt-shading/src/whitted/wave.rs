@@ -91,10 +91,10 @@ pub(super) struct SpawnedRays<E: Element> {
 pub(super) type RayTreeWave<'a, E> = (&'a RayTreeStream<E>, &'a HitStream);
 
 /// Stage that shades those closest hits of a wave that are shaded in lanes.
-pub(super) struct ShadeRayTreeHits<'a, W, E: Element> {
+pub(super) struct ShadeRayTreeHits<'a, E: Element> {
     pub(super) spawned: &'a mut SpawnedRays<E>,
     pub(super) inputs: &'a RayTreeInputs<'a>,
-    pub(super) world: &'a W,
+    pub(super) world: &'a dyn StreamQueries,
     pub(super) wave: RayTreeWave<'a, E>,
     /// Radiance of each branch.
     pub(super) radiances: &'a mut [RadianceSample],
@@ -124,11 +124,11 @@ impl RaySet {
 
 impl<E: Element> RayTreeStreams<E> {
     /// Traces the ray trees of camera rays, and shades them at a level.
-    pub(super) fn trace<W: StreamQueries>(
+    pub(super) fn trace(
         &mut self,
         inputs: &RayTreeInputs<'_>,
         level: Option<LaneLevel>,
-        world: &mut W,
+        world: &mut dyn StreamQueries,
         batch: RayTreeBatch<'_>,
     ) {
         let RayTreeBatch { rays, camera_media, radiances } = batch;
@@ -237,10 +237,10 @@ impl<E: Element> SpawnedRays<E> {
     }
 
     /// Traces shadow rays in scenes with media that these pass. They start in the media of the rays of the wave.
-    fn trace_shadow_media<W: StreamQueries>(
+    fn trace_shadow_media(
         &mut self,
         inputs: &RayTreeInputs<'_>,
-        world: &mut W,
+        world: &mut dyn StreamQueries,
         wave: [&RayTreeStream<E>; 2],
     ) {
         if self.interiors.len() < self.parents.len() {
@@ -263,10 +263,10 @@ impl<E: Element> SpawnedRays<E> {
     }
 
     /// Finds the hits that are shaded in lanes, and shades all others.
-    fn group<W: StreamQueries>(
+    fn group(
         &mut self,
         inputs: &RayTreeInputs<'_>,
-        world: &W,
+        world: &dyn StreamQueries,
         (paths, hits): RayTreeWave<'_, E>,
         radiances: &mut [RadianceSample],
     ) {

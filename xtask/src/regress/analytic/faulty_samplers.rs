@@ -129,7 +129,7 @@ fn mean<S: Sampler + Clone>(seed: u64, wrapped: impl Fn(rt_camera::SampleStream)
         samplers.push(sample);
     }
     let mut seen = vec![RadianceSample::MISS; rays.len()];
-    paths.radiance_of_stream(&mut SingleQueries::new(&mut world), lighting, &mut rays, &samplers, &mut seen);
+    paths.radiance_of_stream(&mut SingleQueries::new(&mut world), lighting, &mut rays, &mut samplers, &mut seen);
     let sum: f64 = seen.iter().map(|seen| seen.radiance.g).sum();
     Ok(sum / seen.len() as f64 * PI / ALBEDO)
 }

@@ -165,13 +165,13 @@ fn samplers(count: usize) -> Vec<Independent> {
 }
 
 /// Radiance of camera rays.
-fn traced(scene: &mut TestScene, mut paths: PathTracer<Independent>, rays: &[(Ray, Interval)]) -> Rendered {
+fn traced(scene: &mut TestScene, mut paths: PathTracer, rays: &[(Ray, Interval)]) -> Rendered {
     let TestScene { world, appearance, lights, .. } = scene;
     let bsdfs = BsdfCache::default();
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
     let samplers = samplers(rays.len());
     let seen = in_streams(rays, |range, rays, seen| {
-        paths.radiance_of_stream(world, lighting, rays, &samplers[range], seen);
+        paths.radiance_of_stream(world, lighting, rays, &mut samplers[range].to_vec(), seen);
     });
     (seen, paths.take_counts())
 }
@@ -419,9 +419,9 @@ fn a_call_with_too_few_samplers_does_nothing() {
     let mut seen = [marked; 3];
     let TestScene { world, appearance, lights, .. } = &mut scene;
     let lighting = Lighting { appearance, lights, bsdfs: &bsdfs };
-    paths.radiance_of_stream(world, lighting, &mut stream, &samplers(2), &mut seen);
+    paths.radiance_of_stream(world, lighting, &mut stream, &mut samplers(2), &mut seen);
     assert_eq!(seen, [marked; 3]);
-    paths.radiance_of_stream(world, lighting, &mut stream, &samplers(3), &mut seen);
+    paths.radiance_of_stream(world, lighting, &mut stream, &mut samplers(3), &mut seen);
     assert!(seen.iter().all(|seen| *seen != marked));
 }
 
