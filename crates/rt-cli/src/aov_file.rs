@@ -1,10 +1,9 @@
 //! Files of `--aov`.
 
-use std::borrow::Cow;
 use std::path::PathBuf;
 
-use rt_image::{Development, Image, ImageFormat, Layer, write_image, write_layers};
-use rt_render::{FilmLayers, FirstHitLayer, LayerValues, Rendering};
+use rt_image::{Development, Image, ImageFormat, Layer, color_rows, write_image, write_layers};
+use rt_render::{FilmLayers, FirstHitLayer, Rendering};
 
 use crate::args::{Aov, AovArg, AovContent, LayerList};
 use crate::error::{CliError, usage};
@@ -93,11 +92,9 @@ impl AovFile {
     ) -> Result<(), OutputError> {
         match &self.content {
             AovContent::Map(map) => self.write_map(*map, rendering, fallback_dirs),
-            AovContent::Layers(list) => {
-                let layers = layers(list, rendering);
-                self.output
-                    .write_with_fallback(fallback_dirs, |file| write_layers(&rendering.film, &layers, attributes, file))
-            }
+            AovContent::Layers(list) => self.output.write_with_fallback(fallback_dirs, |file| {
+                write_layers(&rendering.film, layers(list, rendering), attributes, file)
+            }),
         }
     }
 
@@ -121,21 +118,23 @@ impl AovFile {
 
 /// All layers of a file with the names of their channels.
 fn layers<'a>(list: &LayerList, rendering: &'a Rendering) -> Vec<Layer<'a>> {
-    let of_film = rendering.layers.as_ref().map_or(&[][..], FilmLayers::values);
-    let of_hits = list.first_hit.iter().filter_map(|&layer| of_film.iter().find(|values| values.layer == layer));
-    let borrowed = |LayerValues { layer, channels }: &'a LayerValues| Layer {
+    let of_film = |film: &'a FilmLayers, layer: FirstHitLayer| Layer {
         name: layer.name(),
-        channels: layer.channels().iter().copied().zip(channels.iter().map(Cow::from)).collect(),
+        channels: (layer.channels().iter().enumerate())
+            .map(|(at, name)| (*name, Box::new(move |y, row: &mut [f32]| film.read_row(layer, at, y, row)) as _))
+            .collect(),
     };
-    let mut layers: Vec<Layer<'_>> = of_hits.map(borrowed).collect();
-    let plane = |film: &Image, at: usize| film.pixels().iter().map(|pixel| pixel[at]).collect();
+    let mut layers: Vec<Layer<'_>> = match &rendering.layers {
+        Some(film) => list.first_hit.iter().map(|&layer| of_film(film, layer)).collect(),
+        None => Vec::new(),
+    };
     if let Some(counts) = rendering.sample_counts.as_ref().filter(|_| list.samples) {
-        layers.push(Layer { name: "samples", channels: vec![("V", plane(counts, 0))] });
+        layers.push(Layer { name: "samples", channels: vec![("V", color_rows(counts, 0))] });
     }
     // A single pass has no standard error.
     let has_errors = list.stderr || (list.is_all && rendering.statistics.passes > 1);
     if let Some(errors) = rendering.standard_error.as_ref().filter(|_| has_errors) {
-        let channels = ["R", "G", "B"].into_iter().enumerate().map(|(at, name)| (name, plane(errors, at)));
+        let channels = ["R", "G", "B"].into_iter().enumerate().map(|(at, name)| (name, color_rows(errors, at)));
         layers.push(Layer { name: "stderr", channels: channels.collect() });
     }
     layers

@@ -62,7 +62,7 @@ mod write_image;
 pub use develop::{Bitmap8, Development, DevelopmentError};
 pub use dither::Dither;
 #[cfg(feature = "files")]
-pub use exr_layers::{Layer, write_layers};
+pub use exr_layers::{ChannelRows, Layer, color_rows, write_layers};
 pub use image::Image;
 #[cfg(feature = "files")]
 pub use image_decoder::{ExrParts, ImageSource, decode_pixels, exr_parts, guess_format, image_decoder};

@@ -392,7 +392,7 @@ mod tests {
     #[test]
     fn an_exr_of_few_bytes_with_a_huge_data_window_is_refused() {
         let mut bytes = Vec::new();
-        write_layers(&Image::new(12, 7, false), &[], &[], &mut bytes).expect("written, in rows");
+        write_layers(&Image::new(12, 7, false), Vec::new(), &[], &mut bytes).expect("written, in rows");
         let name = b"dataWindow\0box2i\0";
         let window = bytes.windows(name.len()).position(|part| part == name).expect("every EXR has one");
         let last_x = window + name.len() + 12;

@@ -9,7 +9,7 @@ use rt_geometry::InteractionFlags;
 
 use crate::{
     Crop,
-    tile::{tile_count, tile_number},
+    tile::{tile, tile_count, tile_number},
 };
 
 /// Maximum samples per pixel of layers. Further samples change the means by less than most images show.
@@ -97,13 +97,34 @@ impl FirstHitLayer {
     }
 }
 
+/// Values of a channel in a tile.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TileChannel {
+    /// The same in all pixels.
+    Constant(f32),
+    /// Row by row.
+    Pixels(Vec<f32>),
+}
+
+impl TileChannel {
+    /// Channel with a value per pixel.
+    pub(crate) fn new(values: Vec<f32>) -> Self {
+        match values.first() {
+            Some(first) if values.iter().all(|value| value.to_bits() == first.to_bits()) => Self::Constant(*first),
+            _ => Self::Pixels(values),
+        }
+    }
+}
+
 /// Layers of the whole image, filled tile by tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmLayers {
     crop: Crop,
     /// True if pixels have the samples of the plan, and not those of a stop rule.
     is_fixed: bool,
-    values: Vec<LayerValues>,
+    layers: Vec<FirstHitLayer>,
+    /// Channels of all layers by tile; none for a tile that has no values.
+    tiles: Vec<Vec<TileChannel>>,
     /// Flags of the tiles that have values or are left out.
     filled: Vec<bool>,
 }
@@ -111,30 +132,57 @@ pub struct FilmLayers {
 impl FilmLayers {
     /// Layers without values.
     pub(crate) fn new(crop: Crop, layers: &[FirstHitLayer], is_fixed: bool) -> Self {
-        let area = crop.width as usize * crop.height as usize;
-        // Memory that is zero at first; copies would be written twice.
-        let plane = |_: &&str| vec![0.0; area];
-        let empty =
-            |&layer: &FirstHitLayer| LayerValues { layer, channels: layer.channels().iter().map(plane).collect() };
-        Self { crop, is_fixed, values: layers.iter().map(empty).collect(), filled: vec![false; tile_count(crop)] }
+        let count = tile_count(crop);
+        Self { crop, is_fixed, layers: layers.to_vec(), tiles: vec![Vec::new(); count], filled: vec![false; count] }
     }
 
-    /// Layers in the order of the request. Those of a render are complete after
+    /// The layers, in the order of the request.
+    pub fn layers(&self) -> &[FirstHitLayer] {
+        &self.layers
+    }
+
+    /// Values of all layers, in the order of the request. Those of a render are complete after
     /// [`complete_layers`](crate::RenderPlan::complete_layers).
-    pub fn values(&self) -> &[LayerValues] {
-        &self.values
+    pub fn values(&self) -> Vec<LayerValues> {
+        let [width, height] = [self.crop.width as usize, self.crop.height as usize];
+        let plane = |layer: FirstHitLayer, channel: usize| {
+            let mut plane = vec![0.0; width * height];
+            plane.chunks_exact_mut(width.max(1)).zip(0..).for_each(|(row, y)| self.read_row(layer, channel, y, row));
+            plane
+        };
+        let of_layer = |&layer: &FirstHitLayer| LayerValues {
+            layer,
+            channels: (0..layer.channels().len()).map(|channel| plane(layer, channel)).collect(),
+        };
+        self.layers.iter().map(of_layer).collect()
     }
 
-    pub(crate) fn into_values(self) -> Vec<LayerValues> {
-        self.values
+    /// Reads a row of pixels of a layer, counted from the top of the crop. The row is zero where there are no values.
+    pub fn read_row(&self, layer: FirstHitLayer, channel: usize, y: u32, row: &mut [f32]) {
+        row.fill(0.0);
+        let before = self.layers.iter().take_while(|of_film| **of_film != layer);
+        let channel = before.map(|layer| layer.channels().len()).sum::<usize>() + channel;
+        let mut number = tile_number(self.crop, Crop { y: self.crop.y + y, ..self.crop });
+        let mut rest = row;
+        while let Some(channels) = self.tiles.get(number).filter(|_| !rest.is_empty()) {
+            let Crop { y: top, width, .. } = tile(self.crop, number);
+            let width = width as usize;
+            let (part, behind) = rest.split_at_mut(width.min(rest.len()));
+            match channels.get(channel) {
+                None => {}
+                Some(TileChannel::Constant(value)) => part.fill(*value),
+                Some(TileChannel::Pixels(values)) => {
+                    let start = (self.crop.y + y - top) as usize * width;
+                    part.copy_from_slice(&values[start..start + part.len()]);
+                }
+            }
+            rest = behind;
+            number += 1;
+        }
     }
 
     pub(crate) const fn is_fixed(&self) -> bool {
         self.is_fixed
-    }
-
-    pub(crate) fn layers(&self) -> Vec<FirstHitLayer> {
-        self.values.iter().map(|values| values.layer).collect()
     }
 
     /// Leaves out tiles by index: their values stay zero.
@@ -149,15 +197,10 @@ impl FilmLayers {
         (0..self.filled.len()).filter(|&number| !self.filled[number]).collect()
     }
 
-    /// Copies the channels of a tile, each with a value per pixel, row by row.
-    pub(crate) fn insert(&mut self, tile: Crop, channels: &[Vec<f32>]) {
-        let planes = self.values.iter_mut().flat_map(|values| &mut values.channels);
-        for (plane, channel) in planes.zip(channels) {
-            for (row, y) in channel.chunks_exact(tile.width as usize).zip(tile.y..) {
-                let start = self.crop.pixel_index([tile.x, y]);
-                plane[start..start + row.len()].copy_from_slice(row);
-            }
-        }
-        self.filled[tile_number(self.crop, tile)] = true;
+    /// Sets the channels of a tile.
+    pub(crate) fn insert(&mut self, tile: Crop, channels: Vec<TileChannel>) {
+        let number = tile_number(self.crop, tile);
+        self.tiles[number] = channels;
+        self.filled[number] = true;
     }
 }

@@ -5,7 +5,7 @@ use rt_shading::StreamQueries;
 
 use crate::{
     RenderError, RenderPlan, Rendering,
-    first_hit_layers::{FilmLayers, FirstHitLayer, LayerValues, MAX_LAYER_SAMPLES},
+    first_hit_layers::{FilmLayers, FirstHitLayer, LayerValues, MAX_LAYER_SAMPLES, TileChannel},
     frustum_cull::PrimaryTarget,
     parallel_for::{parallel_for, thread_count},
     passes::PassSpec,
@@ -35,7 +35,7 @@ impl RenderPlan<'_> {
         }
         let mut film = FilmLayers::new(self.frame.crop, layers, spp == self.samples_per_pixel());
         self.fill(&mut film, spp, threads)?;
-        Ok(film.into_values())
+        Ok(film.values())
     }
 
     /// Computes the [layers](Rendering::layers) of rendered tiles that have none. These are all tiles of a render pass by pass,
@@ -70,19 +70,24 @@ impl RenderPlan<'_> {
             let spp = self.frame.sampler.round_up(spp.min(MAX_LAYER_SAMPLES));
             PassSpec { first: 0, count: 1, spp, simple_spp: None, pixels: None }
         };
-        let (layers, tiles) = (film.layers(), tiles(self.frame.crop));
+        let (layers, tiles) = (film.layers().to_vec(), tiles(self.frame.crop));
         let trace = |batch: &mut PrimaryRayBatch, number: usize| {
             let job = TileJob::new(tiles[number], &pass_spec, None);
             Some(self.trace_layers(&job, &layers, batch))
         };
         let missing = film.missing_tiles();
-        let finished = |number: usize, channels: Vec<Vec<f32>>| film.insert(tiles[number], &channels);
+        let finished = |number: usize, channels| film.insert(tiles[number], channels);
         let outcome = parallel_for(thread_count(threads), &missing, None, (PrimaryRayBatch::default, trace), finished);
         if outcome.lost.is_empty() { Ok(()) } else { Err(RenderError::LostTiles(outcome.lost.len())) }
     }
 
     /// Channels of the layers of a tile, from the first camera rays of its pixels.
-    fn trace_layers(&self, job: &TileJob<'_>, layers: &[FirstHitLayer], batch: &mut PrimaryRayBatch) -> Vec<Vec<f32>> {
+    fn trace_layers(
+        &self,
+        job: &TileJob<'_>,
+        layers: &[FirstHitLayer],
+        batch: &mut PrimaryRayBatch,
+    ) -> Vec<TileChannel> {
         let (world, accelerator) = (&self.scene.world.instances(), &self.scene.world.top.accelerator);
         let pass_spec = job.pass_spec;
         let simple = pass_spec.simple_spp.map(|_| self.simple_pixels(job.tile, world, accelerator));

@@ -135,9 +135,9 @@ impl RenderPlan<'_> {
         let (done, left): (Vec<_>, Vec<_>) =
             numbers.iter().partition(|number| shard.tiles.contains_key(&(**number as u32)));
         let mut pixels_done = done.iter().map(|&number| area(number)).sum::<u64>();
-        let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
+        let outcome = scheduler.render_tiles(&pass_spec, &left, |number, mut tile| {
             if let Some(layers) = &mut shard.layers {
-                layers.insert(tile.tile, &tile.layers);
+                layers.insert(tile.tile, core::mem::take(&mut tile.layers));
             }
             shard.tiles.insert(number as u32, FilmTile::new(&tile.pixels, shard.layout, has_errors));
             let statistics = &mut shard.statistics;

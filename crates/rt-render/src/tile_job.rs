@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::{
     Crop, Statistics,
     film::pixel_estimate::PixelEstimate,
-    first_hit_layers::FirstHitLayer,
+    first_hit_layers::{FirstHitLayer, TileChannel},
     passes::{PassSpec, PixelMask},
 };
 
@@ -60,7 +60,7 @@ pub(crate) struct TileResult {
     /// Counts of the tile, without times.
     pub(crate) statistics: Statistics,
     /// Channels of the layers; empty if none are computed with the image.
-    pub(crate) layers: Vec<Vec<f32>>,
+    pub(crate) layers: Vec<TileChannel>,
     /// True if pixels are missing, because of an interrupt.
     pub(crate) is_abandoned: bool,
 }

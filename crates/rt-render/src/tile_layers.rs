@@ -8,7 +8,7 @@ use rt_math::{DVec3, Ray, Rgb};
 use rt_shading::{Appearance, LaneLevel, Material, MaterialEvalContext, SurfacePoint, surface_points};
 
 use crate::{
-    first_hit_layers::{FAR_DEPTH, FirstHitLayer, MAX_LAYER_SAMPLES},
+    first_hit_layers::{FAR_DEPTH, FirstHitLayer, MAX_LAYER_SAMPLES, TileChannel},
     instance::Instances,
 };
 
@@ -178,15 +178,20 @@ impl<'a> TileLayers<'a> {
         sums.set_ids(world, hit, surface.material);
     }
 
-    /// Channels of all layers, each with a value per pixel.
-    pub(crate) fn channels(&self) -> Vec<Vec<f32>> {
-        let channels = self.layers.iter().flat_map(|&layer| (0..layer.channels().len()).map(move |at| (layer, at)));
-        let value = |(sums, samples): (&PixelSums, &u32), layer, at| {
-            sums.value(self.context.origin, (*samples).min(MAX_LAYER_SAMPLES), layer, at)
-        };
+    /// Channels of all layers.
+    pub(crate) fn channels(&self) -> Vec<TileChannel> {
+        let mut channels = Vec::new();
+        let has_hits = self.sums.iter().any(|sums| sums.hits > 0);
+        for layer in self.layers {
+            let pixels = if has_hits { self.sums.len() } else { 1 };
+            let mut values = [(); 3].map(|()| Vec::with_capacity(pixels));
+            for (sums, samples) in self.sums.iter().zip(&self.samples).take(pixels) {
+                let of_pixel = sums.values(self.context.origin, (*samples).min(MAX_LAYER_SAMPLES), *layer);
+                values.iter_mut().zip(of_pixel).for_each(|(values, value)| values.push(value as f32));
+            }
+            channels.extend(values.into_iter().take(layer.channels().len()).map(TileChannel::new));
+        }
         channels
-            .map(|(layer, at)| self.sums.iter().zip(&self.samples).map(|of| value(of, layer, at)).collect())
-            .collect()
     }
 }
 
@@ -222,27 +227,26 @@ impl PixelSums {
         }
     }
 
-    /// Value of a channel; `samples` are all that were taken.
-    fn value(&self, origin: DVec3, samples: u32, layer: FirstHitLayer, channel: usize) -> f32 {
+    /// Values of the channels of a layer, as many as it has; `samples` are all that were taken.
+    fn values(&self, origin: DVec3, samples: u32, layer: FirstHitLayer) -> [f64; 3] {
         if self.hits == 0 {
-            return if layer == FirstHitLayer::Depth { FAR_DEPTH } else { 0.0 };
+            return [if layer == FirstHitLayer::Depth { f64::from(FAR_DEPTH) } else { 0.0 }; 3];
         }
         let n = f64::from(self.hits);
-        let unit = |normal: DVec3| normal.normalize_or_zero().to_array()[channel];
-        let value = match layer {
-            FirstHitLayer::Depth => self.depth / n,
-            FirstHitLayer::Position => (self.position / n + origin).to_array()[channel],
-            FirstHitLayer::Normal => unit(self.normal),
-            FirstHitLayer::GeometricNormal => unit(self.geometric_normal),
-            FirstHitLayer::Albedo => self.albedo.to_array()[channel] / n,
-            FirstHitLayer::Roughness => self.roughness / n,
-            FirstHitLayer::Emission => self.emission.to_array()[channel] / n,
-            FirstHitLayer::Uv if channel < 2 => self.uv[channel] / n,
-            FirstHitLayer::ObjectId => f64::from(self.ids[0]),
-            FirstHitLayer::MaterialId => f64::from(self.ids[1]),
-            FirstHitLayer::InstanceId => f64::from(self.ids[2]),
-            FirstHitLayer::Uv | FirstHitLayer::Coverage => n / f64::from(samples),
-        };
-        value as f32
+        let coverage = n / f64::from(samples);
+        match layer {
+            FirstHitLayer::Depth => [self.depth / n; 3],
+            FirstHitLayer::Position => (self.position / n + origin).to_array(),
+            FirstHitLayer::Normal => self.normal.normalize_or_zero().to_array(),
+            FirstHitLayer::GeometricNormal => self.geometric_normal.normalize_or_zero().to_array(),
+            FirstHitLayer::Albedo => self.albedo.to_array().map(|sum| sum / n),
+            FirstHitLayer::Roughness => [self.roughness / n; 3],
+            FirstHitLayer::Emission => self.emission.to_array().map(|sum| sum / n),
+            FirstHitLayer::Uv => [self.uv[0] / n, self.uv[1] / n, coverage],
+            FirstHitLayer::ObjectId => [f64::from(self.ids[0]); 3],
+            FirstHitLayer::MaterialId => [f64::from(self.ids[1]); 3],
+            FirstHitLayer::InstanceId => [f64::from(self.ids[2]); 3],
+            FirstHitLayer::Coverage => [coverage; 3],
+        }
     }
 }
