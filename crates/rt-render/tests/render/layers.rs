@@ -296,7 +296,7 @@ fn layers_of_resumed_renders_are_those_of_whole_ones() {
             let depth = layers.iter().find(|values| values.layer == FirstHitLayer::Depth).expect("all layers");
             depth.channels[0].clone()
         };
-        let (some, all) = (depth(of(&rendering).values()), depth(&expected));
+        let (some, all) = (depth(&of(&rendering).values()), depth(&expected));
         assert!(some.iter().zip(&all).all(|(some, all)| *some == 0.0 || some == all), "{integrator:?}");
         let count = some.iter().filter(|depth| **depth != 0.0).count();
         assert!(0 < count && count < all.len(), "{integrator:?}: {count} of {}", all.len());
