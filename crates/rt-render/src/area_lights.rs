@@ -14,22 +14,23 @@ use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_m
 const SQUARENESS: f64 = 1e-9;
 
 /// Makes area lights of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
-/// or coated one, a torus, an animated one) are found by rays only.
+/// or coated one, a torus, an animated one, one that casts no shadow and hides parts of itself) are found by rays only.
 pub(crate) fn area_lights(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> Vec<Light> {
     // Instances in a group store the index within the group; a group instance stores the index of its first light.
     let of_groups: Vec<AreaLights> = levels
         .groups
         .iter()
-        .map(|group| AreaLights::of(scene, &group.instances, &Transform::IDENTITY, levels))
+        .map(|group| AreaLights::of(scene, &group.instances, (&Transform::IDENTITY, true), levels))
         .collect();
     let AreaLights { lights: mut collected, numbers } =
-        AreaLights::of(scene, &top.instances, &Transform::IDENTITY, levels);
+        AreaLights::of(scene, &top.instances, (&Transform::IDENTITY, true), levels);
     for (instance, number) in top.instances.iter_mut().zip(numbers) {
         instance.light = number;
         if let InstanceGeometry::Group(level, transform) = &instance.geometry {
             let transform = transform.as_deref().copied().unwrap_or(Transform::IDENTITY);
-            let placed = AreaLights::of(scene, &levels.groups[*level as usize].instances, &transform, levels);
-            // A transform may turn an area light into a surface that is not sampled.
+            let placed = (&transform, instance.casts_shadow);
+            let placed = AreaLights::of(scene, &levels.groups[*level as usize].instances, placed, levels);
+            // A transform, or shadows that are left out, may turn an area light into a surface that is not sampled.
             if !placed.lights.is_empty() && placed.numbers == of_groups[*level as usize].numbers {
                 instance.light = Some(collected.len() as u32);
                 collected.extend(placed.lights);
@@ -83,17 +84,27 @@ struct AreaLights {
 }
 
 impl AreaLights {
-    fn of(scene: &Scene, instances: &[Instance], world_from_parts: &Transform, levels: &BottomLevel) -> Self {
+    /// Lights of instances that are placed by a transform, and cast shadows if `casts_shadows` is true.
+    fn of(
+        scene: &Scene,
+        instances: &[Instance],
+        (world_from_parts, casts_shadows): (&Transform, bool),
+        levels: &BottomLevel,
+    ) -> Self {
         let mut found = Self { lights: Vec::new(), numbers: Vec::with_capacity(instances.len()) };
         let mut before = None;
         for instance in instances {
             // The inlined triangles of a mesh follow each other, and are one light.
             let number = match (&instance.geometry, before) {
                 (InstanceGeometry::Triangle(_), Some((object, number))) if object == instance.object => number,
-                _ => light_of(scene, instance, world_from_parts, levels).map(|light| {
-                    found.lights.push(light);
-                    found.lights.len() as u32 - 1
-                }),
+                _ => {
+                    let light = light_of(scene, instance, world_from_parts, levels);
+                    let is_opaque = casts_shadows && instance.casts_shadow;
+                    light.filter(|light| is_opaque || !may_hide_itself(light)).map(|light| {
+                        found.lights.push(light);
+                        found.lights.len() as u32 - 1
+                    })
+                }
             };
             found.numbers.push(number);
             before = Some((instance.object, number));
@@ -114,6 +125,16 @@ fn emission_of(scene: &Scene, instance: &Instance) -> Option<Emission> {
         return None;
     }
     (radiance != Rgb::BLACK).then(|| Emission::new(radiance, material.emission_sides).ok())?
+}
+
+/// True if parts of a light may lie behind others. Light samples of an object that casts no shadow would pass it, and rays that find
+/// the light would not.
+fn may_hide_itself(light: &Light) -> bool {
+    match light {
+        Light::Mesh(mesh) => mesh.may_hide_itself(),
+        Light::Cylinder(cylinder) => cylinder.may_hide_itself(),
+        _ => false,
+    }
 }
 
 /// Light of an instance in a transformed aggregate.

@@ -92,6 +92,12 @@ impl<'m> HitContext<'m> {
         self.transmission != SurfaceTransmission::None
     }
 
+    /// True if shadow rays pass the surface although it is visible. They do not pass a bubble in glass, which
+    /// [`ShadowMedia`](crate::shadow_media::ShadowMedia) finds.
+    pub(crate) fn is_passed_by_shadow_rays(&self, hit: &SurfaceHit) -> bool {
+        !hit.casts_shadow && !self.material.passes_shadow_rays()
+    }
+
     /// Media on both sides of the surface, given the interior list of the ray. `None` where scattered light
     /// stays on its side, and for a solid if the list is full. Call it once per hit: a solid that is left without having been
     /// entered is noted.

@@ -68,6 +68,8 @@ struct PathState {
     media: MediumTracker,
     /// Previous vertex; `None` for the camera and for delta lobes, whose directions light sampling cannot find.
     prev: Option<PrevVertex>,
+    /// True if the light samples of a previous vertex have passed all objects since then: their lights are not added again.
+    omits_sampled_lights: bool,
 }
 
 impl ReferencePathTracer<'_> {
@@ -81,6 +83,9 @@ impl ReferencePathTracer<'_> {
         loop {
             // Find the closest surface. On a miss, add the radiance of the environment.
             let Some(mut hit) = world.closest(&ray, span, kind, ShadingFeatures::ALL.surface()) else {
+                if path.omits_sampled_lights && lights.environment().is_some() {
+                    return path.radiance_sample;
+                }
                 let direction = ray.direction;
                 let weight = path.mis_weight(|from| lights.pdf_li_environment(from.point, from.normal, direction));
                 let radiance = path.throughput * weight * appearance.background.radiance(direction);
@@ -118,7 +123,8 @@ impl ReferencePathTracer<'_> {
             let textures = &appearance.textures;
             let emitted = material.emitted_radiance_towards(-direction, textures, &hit.interaction, is_inside);
             let is_caustic = hit.light.is_some() && !path.starts_specular && path.prev.is_none();
-            let is_omitted = is_caustic && transport == Transport::NonCaustic;
+            let is_omitted =
+                is_caustic && transport == Transport::NonCaustic || hit.light.is_some() && path.omits_sampled_lights;
             if !emitted.is_black() && !is_omitted {
                 let SurfaceInteraction { point, geometric_normal, .. } = hit.interaction;
                 let light_pdf =
@@ -126,10 +132,14 @@ impl ReferencePathTracer<'_> {
                 let weight = path.mis_weight(|from| hit.light.map_or(0.0, |light| light_pdf(from, light)));
                 self.add(path.throughput * emitted * weight, path.bounces, &mut path);
             }
-            // Light samples pass opaque objects that cast no shadow, so that the light behind them is looked up for sampled directions.
-            if !hit.casts_shadow && lights.is_seen_through_objects && !context.transmits_light() {
+            // Light samples pass objects that cast no shadow, so that the light behind them is looked up for sampled directions. The light
+            // that glass transmits is then left out.
+            let is_passed_by_shadow_rays = context.is_passed_by_shadow_rays(&hit);
+            if is_passed_by_shadow_rays && lights.is_seen_through_objects && !path.omits_sampled_lights {
                 self.add_lights_behind(world, &ray, &hit, &mut path);
             }
+            let is_passed = path.omits_sampled_lights || path.prev.is_some();
+            let is_passed_by_light = is_passed && is_passed_by_shadow_rays && context.transmits_light();
             if path.bounces > max_depth {
                 return path.radiance_sample;
             }
@@ -138,7 +148,8 @@ impl ReferencePathTracer<'_> {
             let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
             let bsdf = bsdf_at(appearance, material, &view, interface);
             let vertex = Vertex::new(view, &bsdf, ray.time);
-            self.sample_direct_lighting(world, &vertex, interface, sampler, &mut path);
+            let at = LitVertex { vertex: &vertex, interface, is_passed_by_light };
+            self.sample_direct_lighting(world, &at, sampler, &mut path);
 
             // Sample the next direction by the BSDF.
             let [u, v] = sampler.next_2d();
@@ -153,6 +164,7 @@ impl ReferencePathTracer<'_> {
             path.bounces += 1;
             let (point, normal) = (vertex.view.surface.point, vertex.normal);
             path.prev = (!sample.is_delta).then_some(PrevVertex { point, normal, pdf: sample.pdf });
+            path.omits_sampled_lights = is_passed_by_light && sample.kind == Scattering::Transmission;
             if path.throughput.is_black() {
                 return path.radiance_sample;
             }
@@ -172,11 +184,11 @@ impl ReferencePathTracer<'_> {
     fn sample_direct_lighting(
         &mut self,
         world: &mut dyn SceneQueries,
-        vertex: &Vertex<'_>,
-        interface: Option<&MediumInterface>,
+        at: &LitVertex<'_>,
         sampler: &mut dyn Sampler,
         path: &mut PathState,
     ) {
+        let vertex = at.vertex;
         if vertex.bsdf.is_delta() {
             return;
         }
@@ -189,13 +201,16 @@ impl ReferencePathTracer<'_> {
         for casts_shadows in [false, true] {
             for light in lights.delta_lights().filter(|light| light.casts_shadows == casts_shadows) {
                 let Some(lit) = light.sample_li(surface.point) else { continue };
+                if at.omits_light_from(lit.direction) {
+                    continue;
+                }
                 let scattered = vertex.eval(lit.direction);
                 let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
                 if radiance.is_black() {
                     continue;
                 }
                 let shadow_ray = light.shadow_ray(&shadow_rays, &lit, time);
-                let media = casts_shadows.then(|| path.shadow_media(vertex, interface, lit.direction));
+                let media = casts_shadows.then(|| path.shadow_media(at, lit.direction));
                 let transmittance = media.map_or(Rgb::WHITE, |media| self.transmittance(world, shadow_ray, media));
                 self.add(radiance * transmittance, path.bounces + 1, path);
             }
@@ -210,6 +225,9 @@ impl ReferencePathTracer<'_> {
         let choice = if n_sampled > 1 { sampler.next_1d() } else { 0.0 };
         let Some(light) = lights.sample_li(surface.point, vertex.normal, choice, u) else { return };
         let wi = light.sample.direction;
+        if at.omits_light_from(wi) {
+            return;
+        }
         let Some(local) = vertex.local(wi) else { return };
         let (f, bsdf_pdf) = vertex.bsdf.eval_with_pdf(vertex.wo, local);
         if f.is_black() {
@@ -221,7 +239,7 @@ impl ReferencePathTracer<'_> {
             Some(target) => (shadow_rays.to(target, time), Interval::SEGMENT),
             None => (shadow_rays.towards(wi, time), Interval::SPAWNED),
         };
-        let media = path.shadow_media(vertex, interface, wi);
+        let media = path.shadow_media(at, wi);
         let transmittance = self.transmittance(world, shadow_ray, media);
         self.add(radiance * transmittance, path.bounces + 1, path);
     }
@@ -264,20 +282,45 @@ impl ReferencePathTracer<'_> {
     }
 }
 
+/// Vertex at which lights are sampled.
+struct LitVertex<'a> {
+    vertex: &'a Vertex<'a>,
+    /// Media on both sides of a surface that transmits light.
+    interface: Option<&'a MediumInterface>,
+    /// True if light samples of a previous vertex have passed the surface, which transmits light and casts no shadow.
+    is_passed_by_light: bool,
+}
+
+impl LitVertex<'_> {
+    /// True for a direction behind the surface, if light samples of a previous vertex have passed it: they have found this light.
+    fn omits_light_from(&self, wi: DVec3) -> bool {
+        self.is_passed_by_light && self.vertex.view.is_on_side_of(Scattering::Transmission, wi)
+    }
+}
+
 impl PathState {
     /// Path that starts at the camera, in these media.
     fn new(camera_media: &InteriorList) -> Self {
         let mut media = MediumTracker::default();
         media.restart(camera_media);
         let (radiance_sample, throughput) = (RadianceSample::MISS, Rgb::WHITE);
-        Self { radiance_sample, throughput, eta_scale: 1.0, bounces: 0, starts_specular: true, media, prev: None }
+        Self {
+            radiance_sample,
+            throughput,
+            eta_scale: 1.0,
+            bounces: 0,
+            starts_specular: true,
+            media,
+            prev: None,
+            omits_sampled_lights: false,
+        }
     }
 
     /// Media of a shadow ray in this direction from a vertex.
-    fn shadow_media(&self, at: &Vertex<'_>, interface: Option<&MediumInterface>, wi: DVec3) -> ShadowMedia {
-        let is_near = at.view.is_on_side_of(Scattering::Reflection, wi);
+    fn shadow_media(&self, at: &LitVertex<'_>, wi: DVec3) -> ShadowMedia {
+        let is_near = at.vertex.view.is_on_side_of(Scattering::Reflection, wi);
         let kind = if is_near { Scattering::Reflection } else { Scattering::Transmission };
-        ShadowMedia::new(self.media.side(interface, kind))
+        ShadowMedia::new(self.media.side(at.interface, kind))
     }
 
     /// MIS weight of light that the ray in the direction of the BSDF sample has found.

@@ -15,9 +15,12 @@ use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
 
 impl Appearance {
-    /// True if a medium that shadow rays pass absorbs, with these features.
+    /// True if the media on the way of shadow rays are found, with these features. That is so if one that they pass absorbs, or if one is
+    /// a bubble of air: its surface is visible in glass.
     pub fn has_shadow_media(&self, features: &ShadingFeatures) -> bool {
-        features.refraction && features.absorption && self.materials.iter().any(Material::attenuates_shadow_rays)
+        let has = |is_so: fn(&Material) -> bool| self.materials.iter().any(is_so);
+        let has_bubbles = || has(Material::is_air) && has(|it| it.interior.is_some_and(|interior| interior.ior != 1.0));
+        features.refraction && (features.absorption && has(Material::attenuates_shadow_rays) || has_bubbles())
     }
 }
 

@@ -92,17 +92,19 @@ fn transmittance(cos: f64) -> f64 {
 }
 
 /// Light emitted between two cones arrives between two circles: E(x) = I T² sin θ / (x · dx/dθ).
+///
+/// Regression: a bulb of glass around the light, within which shadow rays end, took the slab away: paths never left its medium.
 #[test]
 fn a_glass_slab_transmits_light_by_snell_and_fresnel() {
     let (height, thickness) = (9.0, 0.8);
     let position = DVec3::Y * height;
     let camera = camera(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z, 0.8);
     let slab = cuboid([-2.0, 5.0, -2.0], [2.0, 5.0 + thickness, 2.0]);
-    let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
-    let nodes = nodes(&[(floor(), 0), (slab, 1)]);
-    let mut scene = scene(camera, vec![diffuse(0.6), dielectric(0.0, Rgb::BLACK)], nodes, vec![light(kind)]);
-    // Exclude interreflection within the glass, which arrives elsewhere.
-    scene.settings.depth = 2;
+    let kind = |shadow_near| DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near };
+    let materials = vec![diffuse(0.6), dielectric(0.0, Rgb::BLACK)];
+    let of = [(floor(), 0), (slab, 1), (sphere(0.0, height, 0.0, 0.2), 1)];
+    let alone = scene(camera, materials.clone(), nodes(&of[..2]), vec![light(kind(0.0))]);
+    let in_bulb = scene(camera, materials, nodes(&of), vec![light(kind(0.3))]);
     let radiance = |s: f64| {
         let (c, s2) = ((1.0 - s * s).sqrt(), s / IOR);
         let c2 = (1.0 - s2 * s2).sqrt();
@@ -119,7 +121,33 @@ fn a_glass_slab_transmits_light_by_snell_and_fresnel() {
         }
         radiance(low).1
     };
-    assert_shows(&scene, 4.0, truth, "slab");
+    for (mut scene, what) in [(alone, "slab"), (in_bulb, "slab and bulb")] {
+        // Exclude interreflection within the glass, which arrives elsewhere.
+        scene.settings.depth = 2;
+        // The bulb is one more target of its paths.
+        scene.settings.spp *= if what == "slab" { 1 } else { 4 };
+        assert_shows(&scene, 4.0, truth, what);
+    }
+}
+
+/// Regression: light paths through glass without shadow came to the light that shadow rays had found behind it.
+#[test]
+fn light_passed_glass_without_shadow_twice() {
+    let height = 9.0;
+    let camera = camera(DVec3::Y * 4.0, DVec3::ZERO, DVec3::NEG_Z, 0.8);
+    let position = DVec3::Y * height;
+    let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
+    let mut nodes = nodes(&[(floor(), 0), (cuboid([-9.0, 5.0, -9.0], [9.0, 6.0, 9.0]), 1)]);
+    nodes[1].casts_shadow = false;
+    // It neither refracts nor reflects much.
+    let mut glass = dielectric(0.0, Rgb::BLACK);
+    glass.interior = Some(InteriorMedium::clear(1.0001));
+    let scene = scene(camera, vec![diffuse(0.6), glass], nodes, vec![light(kind)]);
+    let truth = |at: DVec2| {
+        let square = at.length_squared() + height * height;
+        0.6 * height / (square * square.sqrt())
+    };
+    assert_shows(&scene, 4.0, truth, "glass without shadow");
 }
 
 /// Radiance by the point that is seen.

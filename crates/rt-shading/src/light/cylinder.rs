@@ -70,6 +70,11 @@ impl CylinderLight {
         &self.emission
     }
 
+    /// True if emissive parts may lie behind others: those of an open tube that emits on both sides.
+    pub fn may_hide_itself(&self) -> bool {
+        !self.has_caps && self.emission.sides() == EmissionSides::Both
+    }
+
     /// Samples a direction towards the light from `point`. `None` where the light is invisible, on the light, and if it is black.
     pub fn sample_li(&self, point: DVec3, u: [f64; 2]) -> Option<LightLiSample> {
         let visible = self.visible(point);

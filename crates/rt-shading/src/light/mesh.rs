@@ -7,6 +7,12 @@ use super::{Emission, EmissionSides, LightBounds, LightError, LightLiSample, Lig
 use rt_geometry::{ShapeError, Triangle, WatertightRay};
 use rt_math::{Aabb, DVec3, Interval, Ray, Vector3};
 
+/// Largest distance from a plane that counts as in it, as a fraction of the size of the light.
+const FLATNESS: f64 = 1e-6;
+
+/// Maximum number of triangles that are tested for convexity, each against each.
+const MAX_CONVEX: usize = 1024;
+
 /// Set of triangles. One of them is sampled in proportion to its area, then a direction uniformly by solid angle (Arvo 1995).
 /// A triangle that subtends less than 2⁻¹⁴ sr is sampled by area.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,6 +111,19 @@ impl MeshLight {
         let root = rest.sqrt();
         let point = a + (b - a) * (root * (1.0 - u[1])) + (c - a) * (root * u[1]);
         Some(LightPoint { point, normal: face.normal, triangle: u32::try_from(index).ok()? })
+    }
+
+    /// True if an emissive side of a triangle may lie behind another triangle: unless all lie in a plane, or around a convex body that
+    /// emits outwards. Of more than 1024 triangles, only planes are recognised.
+    pub fn may_hide_itself(&self) -> bool {
+        let tolerance = FLATNESS * self.around.extent().max_element();
+        let heights = |face: &Face, of: &Face| of.vertices.map(|vertex| (vertex - face.vertices[0]).dot(face.normal));
+        let faces = || self.faces.iter().filter(|face| face.area > 0.0);
+        let is_beside = |face: &Face, other: &Face| heights(face, other).iter().any(|height| height.abs() > tolerance);
+        let is_flat = faces().next().is_none_or(|first| !faces().any(|other| is_beside(first, other)));
+        let may_be_convex = self.emission.sides() == EmissionSides::Front && self.faces.len() <= MAX_CONVEX;
+        let is_before = |face: &Face, other: &Face| heights(face, other).iter().any(|height| *height > tolerance);
+        !is_flat && (!may_be_convex || faces().any(|face| faces().any(|other| is_before(face, other))))
     }
 
     /// Bounds of positions and directions.

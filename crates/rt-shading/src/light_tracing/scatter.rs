@@ -39,12 +39,10 @@ impl<S: Sampler> LightPaths<S> {
         let mut medium_tracker = MediumTracker::default();
         if self.features.refraction {
             let materials = &scene.lighting.appearance.materials;
-            medium_tracker.interior.find_enclosing_media_within(
-                scene.sources.dielectric_bounds(),
-                world,
-                materials,
-                &ray,
-            );
+            // The path begins at the start of its span: shadow rays end there.
+            let start = Ray { origin: ray.at(span.min), ..ray };
+            let bounds = scene.sources.dielectric_bounds();
+            medium_tracker.interior.find_enclosing_media_within(bounds, world, materials, &start);
         }
         let no_falloff_distance = no_falloff.then_some(0.0);
         self.next.push(None, &ray, span, self.paths.len() as u32);
@@ -54,6 +52,7 @@ impl<S: Sampler> LightPaths<S> {
             power,
             throughput: Rgb::WHITE,
             bounces: 0,
+            is_passed_by_light: true,
             no_falloff_distance,
         });
     }
@@ -82,6 +81,7 @@ impl<S: Sampler> LightPaths<S> {
         if let Some(distance) = &mut path.no_falloff_distance {
             *distance += hit.t * length;
         }
+        let is_passed_by_shadow_rays = context.is_passed_by_shadow_rays(hit);
         let surface = hit.interaction;
         let view = ViewedSurface::new(direction, is_inside, &mut hit.interaction);
         let mut made = None;
@@ -90,12 +90,16 @@ impl<S: Sampler> LightPaths<S> {
             constant.unwrap_or_else(|| made.insert(bsdf_at(lighting.appearance, material, &view, interface.as_ref())));
         let light_vertex = LightVertex { vertex: Vertex::new(view, bsdf, ray.time), surface, interface };
         if path.bounces > 0 && !light_vertex.vertex.bsdf.is_delta() {
+            // Camera paths find this light as if nothing were in its way.
+            if path.is_passed_by_light {
+                return;
+            }
             if let Some(distance) = path.no_falloff_distance.take() {
                 path.power = path.power * (distance * distance);
             }
             self.connect_to_camera(id, &light_vertex, sample_wi);
         }
-        self.sample_bsdf(id, &light_vertex);
+        self.sample_bsdf(id, &light_vertex, is_passed_by_shadow_rays);
     }
 
     /// Continues the same ray behind a null interface.
@@ -149,8 +153,8 @@ impl<S: Sampler> LightPaths<S> {
         self.connections.push(Connection { medium_tracker, raster: camera.raster, light });
     }
 
-    /// Samples the next direction of the path.
-    fn sample_bsdf(&mut self, id: u32, light_vertex: &LightVertex<'_>) {
+    /// Samples the next direction of the path, at a surface that shadow rays pass or not.
+    fn sample_bsdf(&mut self, id: u32, light_vertex: &LightVertex<'_>, is_passed_by_shadow_rays: bool) {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
         let vertex = &light_vertex.vertex;
         if path.bounces >= self.settings.max_depth {
@@ -173,6 +177,7 @@ impl<S: Sampler> LightPaths<S> {
         }
         path.throughput *= sample.weight() * shading_normal_correction(vertex, &sample, wi);
         path.bounces += 1;
+        path.is_passed_by_light &= is_passed_by_shadow_rays && sample.kind == Scattering::Transmission;
         if path.throughput.is_black() {
             return;
         }

@@ -53,6 +53,8 @@ pub(super) struct LightPath<S> {
     pub(super) throughput: Rgb,
     /// Number of surfaces that have scattered it.
     pub(super) bounces: u32,
+    /// True if it has only been transmitted, by objects that cast no shadow: light samples pass them.
+    pub(super) is_passed_by_light: bool,
     /// Path length from a light without falloff, world units; `None` after the first non-specular surface.
     pub(super) no_falloff_distance: Option<f64>,
 }

@@ -49,6 +49,9 @@ impl<E: Element> SpawnedPaths<E> {
         for stream in &mut self.delta.streams {
             for light in lights.by_ref().take(self.delta.lights_per_stream) {
                 let Some(lit) = light.sample_li(surface.point) else { continue };
+                if path.omits_light_from(vertex, lit.direction) {
+                    continue;
+                }
                 let scattered = vertex.eval(lit.direction);
                 // Cancels the 1/π of BSDFs for lights in classical units.
                 let radiance = path.throughput * scattered * lit.strength * light.units.irradiance_factor();
@@ -87,7 +90,7 @@ impl<E: Element> SpawnedPaths<E> {
             return;
         };
         let scattered = vertex.eval_mis(light.sample.direction, light.pdf);
-        if scattered.is_black() {
+        if scattered.is_black() || path.omits_light_from(vertex, light.sample.direction) {
             self.counts.shadow_rays_skipped += 1;
             return;
         }
@@ -99,6 +102,13 @@ impl<E: Element> SpawnedPaths<E> {
         let distance = light.sample.point.map_or(f64::INFINITY, |point| (point - surface.point).length());
         let to_light = (light.sample.direction, distance);
         media.push(&mut self.sampled, vertex, to_light, (ray, path.sample, radiance));
+    }
+}
+
+impl<E: Element> HitPath<'_, E> {
+    /// True for a direction behind a surface that light samples of a previous vertex have passed: they have found this light.
+    fn omits_light_from(&self, vertex: &Vertex<'_>, direction: DVec3) -> bool {
+        self.is_passed_by_light && vertex.view.is_on_side_of(Scattering::Transmission, direction)
     }
 }
 

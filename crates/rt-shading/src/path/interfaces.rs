@@ -40,7 +40,7 @@ impl<E: Element> SpawnedPaths<E> {
             let Some(interface) = interface.filter(|_| solid.is_visible(material, interface)) else {
                 let MediumEntry { object, material } = entry;
                 let hit = SurfaceHit::new(t[lane], points.surface(lanes, lane), object, material);
-                let path = HitPath { wave, at, sample, throughput: light, interface };
+                let path = HitPath { wave, at, sample, throughput: light, interface, is_passed_by_light: false };
                 self.skip_interface(inputs, path, &hit, length[lane], &mut radiances[sample as usize]);
                 continue;
             };

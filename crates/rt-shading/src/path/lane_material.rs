@@ -105,7 +105,7 @@ impl LaneMaterials {
         let has_shadow_media = lighting.appearance.has_shadow_media(features);
         let has_lanes = transport != Transport::SpecularWithEmitters && lighting.lights.lights().iter().all(fits_f32);
         // The media of shadow rays from glass are found one by one.
-        let stays = |it: &LaneMaterial| !(has_shadow_media && matches!(it.surface, LaneSurface::Glass(_)));
+        let stays = |it: &LaneMaterial| !(has_shadow_media && it.is_glass());
         let of = |material| if has_lanes { LaneMaterial::of(material).filter(stays) } else { None };
         let materials: Vec<_> = lighting.appearance.materials.iter().map(of).collect();
         let keeps_states = |material: &Option<LaneMaterial>| {
@@ -137,6 +137,11 @@ fn fits_f32(light: &Light) -> bool {
 }
 
 impl LaneMaterial {
+    /// True for the surface of a solid dielectric.
+    pub(super) const fn is_glass(&self) -> bool {
+        matches!(self.surface, LaneSurface::Glass(_))
+    }
+
     fn of(material: &Material) -> Option<Self> {
         let ColorTexture::Constant(emission) = material.emission else { return None };
         if let Some(glass) = glass(material).filter(|_| emission.is_black()) {

@@ -45,6 +45,8 @@ pub(super) struct WavePathState {
     pub(super) emission_only: bool,
     /// True if the background is black for the next ray.
     pub(super) omits_background: bool,
+    /// True if the light samples of a previous vertex have passed all objects since then. The next ray does not find their lights again.
+    pub(super) omits_sampled_lights: bool,
 }
 
 /// Previous vertex of a path, for the MIS weights of lights that it hits.
@@ -89,6 +91,7 @@ impl Default for WavePathState {
             first_bounce_nonspecular: false,
             emission_only: false,
             omits_background: false,
+            omits_sampled_lights: false,
         }
     }
 }

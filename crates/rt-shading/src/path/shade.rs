@@ -9,6 +9,7 @@ use super::{
 };
 use crate::{
     RadianceSample, SurfaceHit,
+    bsdf::Scattering,
     hit_context::HitContext,
     interior_list::MediumInterface,
     lane_set::Element,
@@ -31,6 +32,9 @@ pub(super) struct HitPath<'a, E: Element> {
     pub(super) throughput: Rgb,
     /// Media on both sides of a surface that transmits light.
     pub(super) interface: Option<&'a MediumInterface>,
+    /// True if light samples of a previous vertex have passed the surface, which transmits light and casts no shadow. Light that it
+    /// transmits is left out.
+    pub(super) is_passed_by_light: bool,
 }
 
 impl<E: Element> SpawnedPaths<E> {
@@ -56,7 +60,10 @@ impl<E: Element> SpawnedPaths<E> {
         let interface = context.interface(&mut state.medium_tracker.interior, materials, hit.medium_entry());
         let interface = interface.as_ref();
         let HitContext { material, direction, length, is_inside, .. } = context;
-        let mut path = HitPath { wave, at, sample, throughput: wave.paths.throughput(at), interface };
+        let is_passed = state.omits_sampled_lights || wave.paths.pdf.get(at).into() > 0.0;
+        let is_passed_by_light = is_passed && context.transmits_light() && context.is_passed_by_shadow_rays(hit);
+        let throughput = wave.paths.throughput(at);
+        let mut path = HitPath { wave, at, sample, throughput, interface, is_passed_by_light };
         if !context.is_visible(interface) {
             self.skip_interface(inputs, path, hit, length, radiance_sample);
             return false;
@@ -69,7 +76,8 @@ impl<E: Element> SpawnedPaths<E> {
         if features.emission {
             let textures = &lighting.appearance.textures;
             let emitted = material.emitted_radiance_towards(-direction, textures, &hit.interaction, is_inside);
-            if !emitted.is_black() && !self.is_caustic(inputs, wave, at, hit.light.is_some()) {
+            let is_omitted = hit.light.is_some() && self.states[sample as usize].omits_sampled_lights;
+            if !emitted.is_black() && !is_omitted && !self.is_caustic(inputs, wave, at, hit.light.is_some()) {
                 let surface = &hit.interaction;
                 let (point, normal) = (surface.point, surface.geometric_normal);
                 let weight = self.mis_weight_area(inputs, wave, at, hit.light, (point, normal));
@@ -77,8 +85,10 @@ impl<E: Element> SpawnedPaths<E> {
                 radiance_sample.radiance += settings.clamp.apply(wave.bounces, radiance, &mut self.counts);
             }
         }
-        if !hit.casts_shadow && lighting.lights.is_seen_through_objects && !context.transmits_light() {
-            let from = wave.paths.prev_vertex(at, &self.states[sample as usize]);
+        let state = &self.states[sample as usize];
+        let is_seen_through = lighting.lights.is_seen_through_objects && !state.omits_sampled_lights;
+        if is_seen_through && context.is_passed_by_shadow_rays(hit) {
+            let from = wave.paths.prev_vertex(at, state);
             self.look_behind(&ray, hit, (sample, path.throughput), from);
         }
         if wave.bounces > settings.max_depth || self.states[sample as usize].emission_only {
@@ -107,6 +117,7 @@ impl<E: Element> SpawnedPaths<E> {
             && !was_absorbed
         {
             hit.interaction.shading_normal = shading_normal;
+            self.states[sample as usize].omits_sampled_lights = false;
             groups.push_surface(&hit.interaction, surface);
             return true;
         }
@@ -163,7 +174,7 @@ impl<E: Element> SpawnedPaths<E> {
         length: f64,
         radiance_sample: &mut RadianceSample,
     ) {
-        let HitPath { wave, at, sample, mut throughput, interface } = path;
+        let HitPath { wave, at, sample, mut throughput, interface, .. } = path;
         let state = &mut self.states[sample as usize];
         let tracker = &mut state.medium_tracker;
         radiance_sample.hit |= tracker.skip_interface(interface, hit, length, &mut throughput, &mut self.counts);
@@ -214,6 +225,7 @@ impl<E: Element> SpawnedPaths<E> {
             state.first_bounce_nonspecular = !sample.is_delta;
         }
         state.emission_only = ends;
+        state.omits_sampled_lights = path.is_passed_by_light && sample.kind == Scattering::Transmission;
         state.omits_background = ends_behind_diffuse && !inputs.gathers_background(bsdf.is_diffuse_below_layer());
         state.vertex = Some(vertex.view.surface.point);
         state.medium_tracker.scatter(path.interface, sample.kind);

@@ -204,7 +204,7 @@ impl<E: Element> SpawnedPaths<E> {
             let hit = world.primitive(hits, at);
             let material = hit.and_then(|hit| inputs.materials.get(hit.material));
             if let (Some(hit), Some(material)) = (hit, material)
-                && (hit.casts_shadow || !inputs.lighting.lights.is_seen_through_objects)
+                && (hit.casts_shadow || !(inputs.lighting.lights.is_seen_through_objects || material.is_glass()))
                 && !(tracks_states && self.states[id].keeps_out_of_lanes(inputs, (wave, at), (&hit, material)))
             {
                 let ends = ends_all || (tracks_states && self.states[id].emission_only);
@@ -246,10 +246,12 @@ impl<E: Element> SpawnedPaths<E> {
         }
         let (ray, _) = wave.paths.rays.get(at);
         let sample = wave.paths.sample.get(at) as usize;
-        if inputs.materials.track_states && self.states[sample].omits_background {
+        let state = &self.states[sample];
+        let omits_environment = state.omits_sampled_lights && inputs.lighting.lights.environment().is_some();
+        if inputs.materials.track_states && (state.omits_background || omits_environment) {
             return;
         }
-        let vertex = wave.paths.prev_vertex(at, &self.states[sample]);
+        let vertex = wave.paths.prev_vertex(at, state);
         let light_pdf = vertex.pdf_li_environment(&inputs.lighting, ray.direction);
         let weight = if light_pdf > 0.0 { power_heuristic(vertex.pdf, light_pdf) } else { 1.0 };
         let radiance = wave.paths.throughput(at) * weight * background.radiance(ray.direction);
@@ -271,7 +273,7 @@ impl<E: Element> SpawnedPaths<E> {
 
 impl WavePathState {
     /// True if the hit of a path is shaded by itself because of the media around it. That is so for a surface in a medium that absorbs,
-    /// and for glass in another medium than air.
+    /// for glass in another medium than air, and where the light of sampled lights is left out.
     fn keeps_out_of_lanes<E: Element>(
         &self,
         inputs: &PathInputs<'_>,
@@ -279,7 +281,10 @@ impl WavePathState {
         (hit, material): (&StreamPrimitive<'_>, &LaneMaterial),
     ) -> bool {
         let (tracker, features) = (&self.medium_tracker, inputs.features);
-        if !matches!(material.surface, LaneSurface::Glass(_)) {
+        if self.omits_sampled_lights {
+            return true;
+        }
+        if !material.is_glass() {
             return features.absorption && tracker.absorbs(&inputs.lighting.appearance.materials);
         }
         let leaves = || hit.shape.is_left_by(&wave.paths.rays.get(at).0, wave.hits.t.get(at));

@@ -20,6 +20,10 @@ cases! {
         "2π ∫ exp(−0.7 / c) c dc from 3/√10 to 1: 0.1531666", "5 σ", gel;
     "shadowless", "two disks of light behind a black disk and behind each other, without shadows",
         "π (9 / 13 + 81 / 106): 4.575600", "5 σ", shadowless;
+    "clear", "a disk of light behind a slab of glass that hardly refracts, without shadows; and behind a bubble in such glass",
+        "π / 10", "5 σ", clear;
+    "hollow", "a box without shadow that emits on both sides, before a disk of light",
+        "π / 10 + a square's irradiance", "5 σ", hollow;
 }
 
 /// Radius of the light, 1 above the receiver: so small that all of it is seen at the same cosine, but for its square.
@@ -93,6 +97,36 @@ fn shadowless(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
     let irradiance = PI * (9.0 / 13.0 + 81.0 / 106.0);
     let both = [Integrator::Direct, Integrator::Path];
     image.hold_by(&both, checks, "two lights", irradiance, PI / ALBEDO, conditions.effort())
+}
+
+/// The index of glass whose surface is visible, but hardly refracts and reflects.
+const CLEAR_IOR: f64 = 1.0001;
+
+/// Light samples pass the slab, and sampled directions meet its surfaces: the light behind counts once. The bubble occludes light samples.
+fn clear(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
+    let (receiver, area_light) = (Receiver::ground(0.5), AreaLight::disk(1.0, 3.0, 0.0));
+    let (truth, scale, effort) = (0.1 * PI, PI / ALBEDO, conditions.effort());
+    let middle = "(shape: box(min: (-1e3, -1e3, 1), max: (1e3, 1e3, 2))";
+    let slab = format!("{middle}, material: glass(ior: {CLEAR_IOR}), casts_shadow: false)");
+    let image = area_light.scene(&receiver, 1e-6, &slab)?;
+    image.hold_by(&[Integrator::Direct, Integrator::Path], checks, "a slab without shadow", truth, scale, effort)?;
+    let bubble = format!(
+        "(shape: box(min: (-1e3, -1e3, -1), max: (1e3, 1e3, 4)), material: glass(ior: {CLEAR_IOR})),
+        {middle}, material: glass(ior: 1, priority: 1))"
+    );
+    let image = area_light.scene(&receiver, 1e-6, &bubble)?;
+    image.hold(checks, "a bubble", truth, (Integrator::Path, scale), effort)
+}
+
+/// Only the lower side of the box lights the receiver: its other sides are hidden, although it casts no shadow.
+fn hollow(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
+    let receiver = Receiver::ground(0.5);
+    let hollow = "(shape: box(min: (-0.5, -0.5, 1), max: (0.5, 0.5, 2)), casts_shadow: false,
+        material: light(radiance: gray(1), emission_sides: both))";
+    let image = AreaLight::disk(1.0, 3.0, 0.0).scene(&receiver, 1e-6, hollow)?;
+    let truth = 0.1 * PI + AreaLight::square(1.0, 0.0).irradiance(&receiver);
+    let both = [Integrator::Direct, Integrator::Path];
+    image.hold_by(&both, checks, "a box and a disk", truth, PI / ALBEDO, conditions.effort())
 }
 
 /// Compares the irradiance with the share of it that a node leaves.
