@@ -8,7 +8,7 @@ use rt_math::{
 use crate::{
     SamplerKind, blue_noise,
     sample_lanes::{Coordinates, Pattern, SampleLanes},
-    simd::vectorize,
+    simd::try_vectorize,
 };
 
 /// Samples that are computed side by side: enough for the compiler to make loops of vector instructions.
@@ -166,7 +166,7 @@ impl Replication {
         let many = if pattern.has_digits() { 0 } else { positions.len() / MANY_LANES * MANY_LANES };
         let (many, few) = positions.split_at_mut(many);
         let first_of_few = index + many.len() as u32;
-        vectorize(
+        let drawn = try_vectorize(
             #[inline(always)]
             || {
                 for (group, first) in many.chunks_exact_mut(MANY_LANES).zip((index..).step_by(MANY_LANES)) {
@@ -183,6 +183,11 @@ impl Replication {
                 }
             },
         );
+        if drawn.is_none() {
+            for (position, index) in positions.iter_mut().zip(index..) {
+                *position = draw_one(&pattern, &SampleLanes::positions(key, pixel, index, last));
+            }
+        }
     }
 }
 
@@ -284,16 +289,18 @@ fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], valu
         }
         let group;
         (group, values) = core::mem::take(&mut values).split_at_mut(count);
-        if count == MANY_LANES && !pattern.has_digits() {
-            group.copy_from_slice(&draw_many(&pattern, &samples));
+        let has_many = count == MANY_LANES && !pattern.has_digits();
+        if let Some(many) = if has_many { draw_many(&pattern, &samples) } else { None } {
+            group.copy_from_slice(&many);
         } else {
             for (few, first) in group.chunks_mut(FEW_LANES).zip((0..).step_by(FEW_LANES)) {
-                if few.len() < MIN_LANES {
+                let has_few = few.len() >= MIN_LANES;
+                if let Some(drawn) = if has_few { draw_few(&pattern, &samples.lanes(first)) } else { None } {
+                    few.copy_from_slice(&drawn[..few.len()]);
+                } else {
                     for (value, lane) in few.iter_mut().zip(first..) {
                         *value = draw_one(&pattern, &samples.lanes(lane));
                     }
-                } else {
-                    few.copy_from_slice(&draw_few(&pattern, &samples.lanes(first))[..few.len()]);
                 }
             }
         }
@@ -306,17 +313,17 @@ fn draw_batch<C: Coordinates>(samplers: &mut [SampleStream], which: &[u32], valu
     }
 }
 
-/// Coordinates of many samples of a pattern that is not drawn digit by digit.
-fn draw_many<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<MANY_LANES>) -> [C; MANY_LANES] {
-    vectorize(
+/// Coordinates of many samples of a pattern that is not drawn digit by digit; `None` without lanes.
+fn draw_many<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<MANY_LANES>) -> Option<[C; MANY_LANES]> {
+    try_vectorize(
         #[inline(always)]
         || C::draw_without_digits(pattern, samples),
     )
 }
 
-/// Coordinates of a few samples.
-fn draw_few<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<FEW_LANES>) -> [C; FEW_LANES] {
-    vectorize(
+/// Coordinates of a few samples; `None` without lanes.
+fn draw_few<C: Coordinates>(pattern: &Pattern, samples: &SampleLanes<FEW_LANES>) -> Option<[C; FEW_LANES]> {
+    try_vectorize(
         #[inline(always)]
         || C::draw(pattern, samples),
     )

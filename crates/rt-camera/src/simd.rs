@@ -17,6 +17,15 @@ mod x86 {
             _ => function(),
         }
     }
+
+    #[inline(always)]
+    pub(super) fn try_vectorize<R>(function: impl FnOnce() -> R) -> Option<R> {
+        match *LEVELS {
+            (Some(avx512), _) => Some(avx512.vectorize(function)),
+            (_, Some(avx2)) => Some(avx2.vectorize(function)),
+            _ => None,
+        }
+    }
 }
 
 /// Calls a function, in a version compiled for AVX-512 or AVX2 if the processor has it. Only what is inlined into `function` is
@@ -29,6 +38,15 @@ pub(crate) fn vectorize<R>(function: impl FnOnce() -> R) -> R {
     return x86::vectorize(function);
     #[cfg(not(target_arch = "x86_64"))]
     function()
+}
+
+/// Version of [`vectorize`] for functions that take long to compile: `None` on x86 processors without AVX2, which gain little by them.
+#[inline(always)]
+pub(crate) fn try_vectorize<R>(function: impl FnOnce() -> R) -> Option<R> {
+    #[cfg(target_arch = "x86_64")]
+    return x86::try_vectorize(function);
+    #[cfg(not(target_arch = "x86_64"))]
+    Some(function())
 }
 
 /// The value of each of `N` lanes.
