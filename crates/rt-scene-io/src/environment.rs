@@ -25,5 +25,5 @@ pub fn read_environment(
     let radiance = pixels.iter().map(|pixel| Rgb::from(pixel.map(f64::from)) * scale).collect();
     let (sin, cos) = sincos(0.5 * rotation);
     EnvironmentLight::new(width as usize, height as usize, radiance, DQuat::from_xyzw(0.0, sin, 0.0, cos))
-        .map_err(|error| LoadErrorKind::invalid("the image", error.to_string()))
+        .map_err(|error| LoadErrorKind::invalid("cannot be used:", error.to_string()))
 }

@@ -15,12 +15,18 @@ use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
 
 impl Appearance {
-    /// True if the media on the way of shadow rays are found, with these features. That is so if one that they pass absorbs, or if one is
-    /// a bubble of air: its surface is visible in glass.
+    /// True if the media on the way of shadow rays are found, with these features. That is so if one that they pass absorbs, or if air may
+    /// be a bubble in glass, whose surface is visible: it needs at least the priority of the glass.
     pub fn has_shadow_media(&self, features: &ShadingFeatures) -> bool {
-        let has = |is_so: fn(&Material) -> bool| self.materials.iter().any(is_so);
-        let has_bubbles = || has(Material::is_air) && has(|it| it.interior.is_some_and(|interior| interior.ior != 1.0));
-        features.refraction && (features.absorption && has(Material::attenuates_shadow_rays) || has_bubbles())
+        let priorities = |is_so: fn(&Material) -> bool| {
+            let of = move |material: &Material| material.interior.filter(|_| is_so(material));
+            self.materials.iter().filter_map(of).map(|interior| interior.priority)
+        };
+        let of_air = priorities(Material::is_air).max();
+        let of_glass = priorities(|it| it.interior.is_some_and(|interior| interior.ior != 1.0)).min();
+        let has_bubbles = of_air.zip(of_glass).is_some_and(|(air, glass)| air >= glass);
+        let absorbs = features.absorption && self.materials.iter().any(Material::attenuates_shadow_rays);
+        features.refraction && (absorbs || has_bubbles)
     }
 }
 

@@ -120,9 +120,10 @@ samples the exposures that fit the reference.
 
 PNG and JPEG are decoded from sRGB to linear light. If only one image is PNG or JPEG, the other one is first tone-mapped to bytes, as \
 by `develop`, so that a .png and its .exr compare equal. This includes dithering, unless --dither off is given. \
-Only crops differ: they are dithered like their part of the full image.
+Crops differ: they are dithered like their part of the full image. So do images of scenes with another `film.encoding` than sRGB.
 
-The exit code is 1 if --metric is worse than --threshold: above it, or below it for psnr and ssim.";
+The exit code is 1 if --metric is worse than --threshold: above it, or below it for psnr and ssim. Without a threshold, coverage must \
+be equal as well.";
 
 const JSON_HELP: &str = "\
 Print JSON instead of a table

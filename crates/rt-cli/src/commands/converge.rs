@@ -15,7 +15,7 @@ mod table;
 
 use std::path::PathBuf;
 
-use rt_scene_io::Scene;
+use rt_scene_io::{Scene, StudioLights};
 
 use self::methods::Method;
 use self::reference::Reference;
@@ -97,8 +97,13 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<(), CliError> {
 
 /// Kind of reference: the given one, or the best available.
 fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Result<ReferenceKind, CliError> {
-    let view = &image.view;
+    let (view, input) = (&image.view, &args.input);
     let is_other_view = image.crop.is_some()
+        || image.env.is_some()
+        || input.lights != StudioLights::Auto
+        || input.ground
+        || input.at_time.is_some()
+        || input.timing.shutter.is_some()
         || image.background.is_some()
         || view.camera.is_some()
         || view.look_from.is_some()
@@ -111,7 +116,7 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
             refuse("truth: the scene declares no mean radiance; choose reference or split")
         }
         Some(ReferenceKind::Truth) if is_other_view => refuse(
-            "truth: the declared mean holds for the view of the scene only; remove options such as --crop and --look-from",
+            "truth: the declared mean holds for the view, lights and time of the scene only; remove options such as --crop, --env and --at-time",
         ),
         Some(kind) => Ok(kind),
         None if args.reference.is_some() => Ok(ReferenceKind::Reference),

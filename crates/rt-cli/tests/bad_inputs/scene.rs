@@ -225,6 +225,7 @@ pub(crate) fn impossible_light() -> Vec<Input> {
             "lights: [point(position: (0, 9, 0), intensity: gray(NaN))]",
             "lights: [directional(direction: (0, 0, 0))]",
             "lights: [spot(position: (0, 9, 0), direction: (0, 0, 0))]",
+            "lights: [cylinder(base: (0, 1, 0), top: (0, 1, 0), radius: 1)]",
         ],
         ": lights[0]",
     )

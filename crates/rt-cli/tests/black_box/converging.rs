@@ -116,9 +116,11 @@ fn a_truth_is_measured_against() {
         }
         assert!(points.iter().all(|point| point["flip"].is_null()), "{method}");
     }
-    // Another view is not that of the truth.
-    let report = json(&place, "half.ron --spp 1 --seeds 2 --crop 0,0,2,2 --quiet");
-    assert_eq!(report["against"], "split");
+    // Another view, light or time is not that of the truth: lights and times were taken for the same.
+    for options in ["--crop 0,0,2,2", "--lights studio", "--at-time 1", "--shutter 0,1"] {
+        let report = json(&place, &format!("half.ron --spp 1 --seeds 2 {options} --quiet"));
+        assert_eq!(report["against"], "split", "{options}");
+    }
     let report = json(&place, "half.ron --spp 1 --seeds 2 --reference-kind split --quiet");
     assert_eq!(report["against"], "split");
     // A given image was ignored.

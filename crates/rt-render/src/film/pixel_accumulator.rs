@@ -59,7 +59,8 @@ fn is_radiance(rgb: Rgb) -> bool {
 /// ```
 ///
 /// L₊ and L₋ are the means of the parts, and n₋ of n samples are in the negative one. A flat area stays flat, however many samples fall into
-/// each. On average n₋/n is the negative share of the filter. So the mean is that of the filter for any number of samples from two on.
+/// each. On average n₋/n is the negative share of the filter. So the mean is that of the filter, unless all samples are
+/// in the negative part: with four, these are few pixels.
 #[derive(Clone, Copy, Default)]
 struct SignedSum {
     radiance: Rgb,

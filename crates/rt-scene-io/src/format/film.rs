@@ -60,7 +60,7 @@ pub enum Filter {
     Tent,
     /// A bell of this standard deviation in pixels.
     Gaussian(f64),
-    /// Mitchell and Netravali's cubic, four pixels wide: sharp, with negative lobes.
+    /// Mitchell and Netravali's cubic, four pixels wide: sharp, with negative lobes. Passes of less than four samples blur it.
     Mitchell,
 }
 

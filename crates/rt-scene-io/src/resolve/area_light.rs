@@ -11,7 +11,7 @@ use super::material::Materials;
 use super::value::{colour, direction, positive, vector};
 use crate::diagnostics::Diagnostics;
 use crate::format;
-use crate::{Content, Material, SceneNode};
+use crate::{Content, LoadErrorKind, Material, SceneNode};
 
 /// Nodes of all area lights; each has a material of its own.
 pub(super) fn nodes(
@@ -85,7 +85,11 @@ fn placed(report: &mut Diagnostics, path: &str, light: &format::Light) -> Option
             let base = report.check(format_args!("{path}.base"), vector(*base));
             let top = report.check(format_args!("{path}.top"), vector(*top));
             let (base, top) = (base?, top?);
-            let axis = report.check(format_args!("{path}.top"), direction((top - base).to_array()))?;
+            let axis = direction((top - base).to_array());
+            let [x, y, z] = top.to_array();
+            let same = || LoadErrorKind::invalid(format_args!("({x}, {y}, {z})"), "is base and top: move one of them");
+            let axis = axis.map_err(|error| if base == top { same() } else { error });
+            let axis = report.check(format_args!("{path}.top"), axis)?;
             let cylinder = positive(*radius)
                 .and_then(|radius| Ok(CappedQuadric::cylinder(radius, 0.0, (top - base).length(), *caps)?));
             let cylinder = report.check(format_args!("{path}.radius"), cylinder)?;

@@ -16,10 +16,10 @@ pub(super) fn check_radiance(radiance: Rgb) -> Result<(), LightError> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LightError {
     /// Radiance that is NaN, negative, or too great to be summed.
-    #[error("radiance {0:?} must have components from 0 to 1e100")]
+    #[error("radiance ({}, {}, {}) must have components from 0 to 1e100", .0.r, .0.g, .0.b)]
     BadRadiance(Rgb),
     /// Pixel of an image with an invalid radiance.
-    #[error("pixel ({column}, {row}) has the radiance {radiance:?}; components must be from 0 to 1e100")]
+    #[error("pixel ({column}, {row}) has the radiance ({}, {}, {}); components must be from 0 to 1e100", .radiance.r, .radiance.g, .radiance.b)]
     BadPixel {
         /// Column, from the left.
         column: usize,

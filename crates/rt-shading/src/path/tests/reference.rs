@@ -83,7 +83,7 @@ fn exhibition() -> Scene {
         Material { emission: radiance, ..emissive(MaterialModel::Black, 0.0) },
         solid(clear(), absorbing(1.5, 1)),
         solid(clear(), absorbing(1.33, 0)),
-        solid(clear(), InteriorMedium::clear(1.0)),
+        solid(clear(), InteriorMedium { priority: -1, ..InteriorMedium::clear(1.0) }),
         solid(rough, InteriorMedium::clear(1.5)),
         emissive(MaterialModel::Mirror { reflectance: gray(0.9) }, 0.0),
         emissive(MaterialModel::Conductor { ior: ComplexIor::GOLD, roughness: 0.2 }, 0.0),
@@ -92,16 +92,17 @@ fn exhibition() -> Scene {
         solid(MaterialModel::Layered(dispersive.into()), InteriorMedium::clear(1.5)),
         Material::new(String::new(), Phong { specular: gray(0.3), mirror: gray(0.2), ..Phong::default() }),
         emissive(metallic_roughness(0.3, 0.2), 0.02),
+        solid(clear(), InteriorMedium::clear(1.1)),
     ];
     let mut scene = Scene::new(materials, lights)
         .with(super::floor(), 0, None)
         .with(Shape::Polygon(square.into()), 1, Some(0))
         .with(sphere_at([-2.5, 1.5, 1.0], 0.2), 1, Some(1));
-    // Glass, water that overlaps it, and a bubble of air in both.
+    // Glass, water that overlaps it, and a bubble in both.
     for (center, radius, material) in [
         ([0.0, 0.8, 0.0], 0.7, 2),
         ([0.5, 0.8, 0.0], 0.6, 3),
-        ([0.2, 0.9, 0.1], 0.3, 4),
+        ([0.2, 0.9, 0.1], 0.3, BUBBLE),
         ([1.9, 0.6, 0.3], 0.5, 5),
         ([-1.3, 0.6, -0.6], 0.5, 6),
         ([-1.1, 0.4, 1.0], 0.4, 7),
@@ -128,14 +129,18 @@ fn exhibition() -> Scene {
     scene
 }
 
-/// The exhibition with clouds of smoke that overlap each other, glass and a light.
+/// Material of a bubble in glass and water.
+const BUBBLE: u32 = 13;
+
+/// The exhibition with clouds of smoke that overlap each other, glass and a light. The bubble is of air.
 fn smoky_exhibition() -> Scene {
     let mut scene = exhibition();
     let clear = MaterialModel::Dielectric { roughness: 0.0, transmittance: gray(1.0) };
     let smoke = |absorption: Rgb, priority| solid(clear.clone(), InteriorMedium { ior: 1.0, absorption, priority });
     let first = scene.appearance.materials.len() as u32;
     scene.appearance.materials.extend([smoke(Rgb::new(0.3, 0.2, 0.4), 0), smoke(Rgb::new(0.1, 0.9, 0.2), 2)]);
-    scene.world.shadowless = vec![first, first + 1];
+    scene.appearance.materials[BUBBLE as usize] = solid(clear.clone(), InteriorMedium::clear(1.0));
+    scene.world.shadowless = vec![first, first + 1, BUBBLE];
     for (center, radius, material) in [([-1.5, 1.0, 0.6], 1.1, 0), ([0.0, 3.0, 0.3], 1.3, 1), ([1.6, 0.7, 0.6], 1.2, 1)]
     {
         scene = scene.with(sphere_at(center, radius), first + material, None);
