@@ -157,13 +157,20 @@ impl FilmLayers {
         self.layers.iter().map(of_layer).collect()
     }
 
-    /// Reads a row of pixels of a layer, counted from the top of the crop. The row is zero where there are no values.
+    /// Reads a row of pixels of a channel of a layer, counted from the top of the crop. Numbers are zero where there are no values, beyond the
+    /// crop, and for a channel that the layer has not.
     pub fn read_row(&self, layer: FirstHitLayer, channel: usize, y: u32, row: &mut [f32]) {
         row.fill(0.0);
+        if y >= self.crop.height || channel >= layer.channels().len() {
+            return;
+        }
         let before = self.layers.iter().take_while(|of_film| **of_film != layer);
         let channel = before.map(|layer| layer.channels().len()).sum::<usize>() + channel;
         let mut number = tile_number(self.crop, Crop { y: self.crop.y + y, ..self.crop });
-        let mut rest = row;
+        let mut rest = match row.split_at_mut_checked(self.crop.width as usize) {
+            Some((within, _)) => within,
+            None => row,
+        };
         while let Some(channels) = self.tiles.get(number).filter(|_| !rest.is_empty()) {
             let Crop { y: top, width, .. } = tile(self.crop, number);
             let width = width as usize;
@@ -202,5 +209,55 @@ impl FilmLayers {
         let number = tile_number(self.crop, tile);
         self.tiles[number] = channels;
         self.filled[number] = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_those_of_tiles_and_zero_elsewhere() {
+        let crop = Crop { x: 3, y: 5, width: 20, height: 17 };
+        let mut film = FilmLayers::new(crop, &[FirstHitLayer::Uv, FirstHitLayer::Depth], true);
+        // Tiles of 16 and 4 columns; the lower left one stays empty.
+        let by_pixel = |tile: Crop| TileChannel::new(tile.pixels().map(|[x, y]| (100 * y + x) as f32).collect());
+        for number in [0, 1, 3] {
+            let tile = tile(crop, number);
+            let three = [0.0, 1.0, 2.0].map(TileChannel::Constant);
+            film.insert(tile, three.into_iter().chain([by_pixel(tile)]).collect());
+        }
+        let row = |layer, channel, y, length| {
+            let mut row = vec![-1.0; length];
+            film.read_row(layer, channel, y, &mut row);
+            row
+        };
+        let depths = |y: usize, columns: core::ops::Range<usize>| columns.map(move |x| (100 * (y + 5) + x + 3) as f32);
+        for y in [0, 15] {
+            assert_eq!(row(FirstHitLayer::Depth, 0, y as u32, 20), depths(y, 0..20).collect::<Vec<_>>());
+        }
+        let mut last = vec![0.0; 16];
+        last.extend(depths(16, 16..20));
+        assert_eq!(row(FirstHitLayer::Depth, 0, 16, 20), last);
+        assert_eq!(row(FirstHitLayer::Uv, 2, 15, 20), [2.0; 20]);
+        // Short and long rows.
+        assert_eq!(row(FirstHitLayer::Depth, 0, 2, 3), depths(2, 0..3).collect::<Vec<_>>());
+        let long: Vec<f32> = depths(2, 0..20).chain([0.0; 30]).collect();
+        assert_eq!(row(FirstHitLayer::Depth, 0, 2, 50), long);
+        for (layer, channel, y) in [
+            (FirstHitLayer::Depth, 0, 17),
+            (FirstHitLayer::Depth, 0, u32::MAX),
+            (FirstHitLayer::Depth, 1, 0),
+            (FirstHitLayer::Normal, 0, 0),
+        ] {
+            assert_eq!(row(layer, channel, y, 20), [0.0; 20], "{layer:?} {channel} {y}");
+        }
+    }
+
+    #[test]
+    fn channels_of_one_value_are_constant() {
+        assert_eq!(TileChannel::new(vec![2.5; 7]), TileChannel::Constant(2.5));
+        assert!(matches!(TileChannel::new(vec![0.0, -0.0]), TileChannel::Pixels(_)), "other bits");
+        assert!(matches!(TileChannel::new(vec![f32::NAN; 3]), TileChannel::Constant(_)));
     }
 }

@@ -105,6 +105,7 @@ impl ReferencePathTracer<'_> {
                 let is_dimmed =
                     path.media.skip_interface(interface, &hit, length, &mut path.throughput, &mut self.counts);
                 path.radiance_sample.hit |= is_dimmed;
+                path.omits_sampled_lights &= !hit.casts_shadow;
                 if path.media.null_limit_exceeded() && path.bounces + path.media.null_interface_bounces() > max_depth {
                     return path.radiance_sample;
                 }

@@ -58,7 +58,10 @@ fn cut_out_images_equal_their_radiance() {
     let report = report(&place, "opaque.exr p.exr --metric coverage");
     assert_eq!((&report["metrics"]["coverage"], &report["different"]), (&json!(1.0), &json!(true)));
     // Regression: images with other coverage were equal.
-    place.fails(1, "compare opaque.exr p.exr", "coverage is 1.00000, the threshold is 0");
+    for metric in ["rmse", "psnr", "ssim", "flip"] {
+        let command = format!("compare opaque.exr p.exr --metric {metric}");
+        place.fails(1, &command, "coverage is 1.00000, the threshold is 0");
+    }
     place.succeed("compare opaque.exr p.exr --threshold 0");
 }
 

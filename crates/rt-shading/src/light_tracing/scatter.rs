@@ -89,11 +89,8 @@ impl<S: Sampler> LightPaths<S> {
         let bsdf =
             constant.unwrap_or_else(|| made.insert(bsdf_at(lighting.appearance, material, &view, interface.as_ref())));
         let light_vertex = LightVertex { vertex: Vertex::new(view, bsdf, ray.time), surface, interface };
-        if path.bounces > 0 && !light_vertex.vertex.bsdf.is_delta() {
-            // Camera paths find this light as if nothing were in its way.
-            if path.is_passed_by_light {
-                return;
-            }
+        // Camera paths find light that has passed all surfaces.
+        if path.bounces > 0 && !path.is_passed_by_light && !light_vertex.vertex.bsdf.is_delta() {
             if let Some(distance) = path.no_falloff_distance.take() {
                 path.power = path.power * (distance * distance);
             }
@@ -112,6 +109,7 @@ impl<S: Sampler> LightPaths<S> {
         id: u32,
     ) {
         let Some(path) = self.paths.get_mut(id as usize) else { return };
+        path.is_passed_by_light &= !hit.casts_shadow;
         path.medium_tracker.skip_interface(interface, hit, length, &mut path.throughput, &mut self.counts);
         if path.bounces + path.medium_tracker.null_interface_bounces() > self.settings.max_depth {
             self.counts.depth_limited += 1;
@@ -166,8 +164,8 @@ impl<S: Sampler> LightPaths<S> {
         let Some(sample) = vertex.bsdf.sample_importance(vertex.wo, [lobe, u, v], path.power * path.throughput) else {
             return;
         };
-        // Camera paths find the light that the first surface scatters diffusely.
-        if path.bounces == 0 && !sample.is_delta {
+        // Camera paths find the light that the first surface scatters diffusely, apart from surfaces that light samples pass.
+        if (path.bounces == 0 || path.is_passed_by_light) && !sample.is_delta {
             return;
         }
         let wi = vertex.frame.from_local(sample.wi);

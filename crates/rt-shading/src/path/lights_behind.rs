@@ -1,4 +1,4 @@
-//! Lights behind opaque objects that cast no shadow.
+//! Lights behind objects that cast no shadow.
 //!
 //! Light samples pass such an object, weighted against the density with which the BSDF samples their direction. A direction that the BSDF
 //! has sampled ends at the object. So its light is looked up behind the object, and the weights of both techniques sum to 1.

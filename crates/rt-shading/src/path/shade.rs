@@ -176,6 +176,7 @@ impl<E: Element> SpawnedPaths<E> {
     ) {
         let HitPath { wave, at, sample, mut throughput, interface, .. } = path;
         let state = &mut self.states[sample as usize];
+        state.omits_sampled_lights &= !hit.casts_shadow;
         let tracker = &mut state.medium_tracker;
         radiance_sample.hit |= tracker.skip_interface(interface, hit, length, &mut throughput, &mut self.counts);
         let bounces = wave.bounces + tracker.null_interface_bounces();

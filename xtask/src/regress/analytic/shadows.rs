@@ -115,7 +115,12 @@ fn clear(conditions: &Conditions, checks: &mut Checks) -> Fallible<()> {
         {middle}, material: glass(ior: 1, priority: 1))"
     );
     let image = area_light.scene(&receiver, 1e-6, &bubble)?;
-    image.hold(checks, "a bubble", truth, (Integrator::Path, scale), effort)
+    image.hold(checks, "a bubble", truth, (Integrator::Path, scale), effort)?;
+    // Its surface is not visible in the slab, but ends shadow rays.
+    let inner = "(shape: box(min: (-1e3, -1e3, 1.2), max: (1e3, 1e3, 1.8)), material: glass(ior: 1.3))";
+    let outer = format!("{middle}, material: glass(ior: {CLEAR_IOR}, priority: 1), casts_shadow: false)");
+    let image = area_light.scene(&receiver, 1e-6, &format!("{outer}, {inner}"))?;
+    image.hold(checks, "a slab without shadow around one with", truth, (Integrator::Path, scale), effort)
 }
 
 /// Only the lower side of the box lights the receiver: its other sides are hidden, although it casts no shadow.

@@ -23,13 +23,15 @@ pub(super) fn verdict(args: &CompareArgs, measures: &Measures) -> Result<Verdict
             name_of(metric)
         ));
     }
-    let is_exact = args.threshold.is_none() && args.max_rmse.is_none();
-    let differs = |metric: Metric| measures.value(metric).is_some_and(|value| metric.is_worse(value, metric.best()));
     // Without a threshold, images are equal only if their coverage is.
-    let metric = if is_exact && !differs(metric) && differs(Metric::Coverage) { Metric::Coverage } else { metric };
-    match measures.value(metric) {
-        Some(value) => Ok(Verdict { metric, value, threshold }),
-        None if metric == Metric::Coverage => usage("--metric coverage requires an image with an alpha channel"),
-        None => usage(format!("--metric {} requires images of at least 11x11 pixels", name_of(metric))),
+    let is_exact = args.threshold.is_none() && args.max_rmse.is_none();
+    let coverage = measures.value(Metric::Coverage).filter(|coverage| is_exact && *coverage > 0.0);
+    match (measures.value(metric), coverage) {
+        (Some(value), Some(coverage)) if !metric.is_worse(value, threshold) => {
+            Ok(Verdict { metric: Metric::Coverage, value: coverage, threshold: 0.0 })
+        }
+        (Some(value), _) => Ok(Verdict { metric, value, threshold }),
+        (None, _) if metric == Metric::Coverage => usage("--metric coverage requires an image with an alpha channel"),
+        (None, _) => usage(format!("--metric {} requires images of at least 11x11 pixels", name_of(metric))),
     }
 }
