@@ -13,8 +13,8 @@ use crate::instance::{Aggregate, BottomLevel, Instance, InstanceGeometry, uses_m
 /// Tolerance of the parallelogram test, as a fraction of the side.
 const SQUARENESS: f64 = 1e-9;
 
-/// Makes area lights of all uniformly emissive instances and stores their indices. Other emissive surfaces (a textured
-/// or coated one, a torus, an animated one, one that casts no shadow and hides parts of itself) are found by rays only.
+/// Makes area lights of all uniformly emissive instances and stores their indices. Other emissive surfaces are found by rays only:
+/// textured, coated and animated ones, tori, and what casts no shadow and hides parts of itself.
 pub(crate) fn area_lights(scene: &Scene, top: &mut Aggregate, levels: &mut BottomLevel) -> Vec<Light> {
     // Instances in a group store the index within the group; a group instance stores the index of its first light.
     let of_groups: Vec<AreaLights> = levels

@@ -15,8 +15,8 @@ use rt_geometry::RayKind;
 use rt_math::{Interval, Ray, Rgb};
 
 impl Appearance {
-    /// True if the media on the way of shadow rays are found, with these features. That is so if one that they pass absorbs, or if air may
-    /// be a bubble in glass, whose surface is visible: it needs at least the priority of the glass.
+    /// True if the media on the way of shadow rays are found, with these features. That is so if one that they pass absorbs. It is also so
+    /// if air may be a bubble in glass, whose surface is visible. It then has at least the priority of the glass.
     pub fn has_shadow_media(&self, features: &ShadingFeatures) -> bool {
         let priorities = |is_so: fn(&Material) -> bool| {
             let of = move |material: &Material| material.interior.filter(|_| is_so(material));

@@ -150,17 +150,17 @@ fn light_passed_glass_without_shadow_twice() {
     assert_shows(&scene, 4.0, truth, "glass without shadow");
 }
 
-/// Regression: light paths through a pane without shadow ended at a surface with a mirror lobe and another one.
+/// Regression: light paths through glass without shadow ended at a surface with a mirror lobe and another one.
 #[test]
-fn a_pane_without_shadow_changes_no_caustic() {
+fn clear_glass_without_shadow_changes_no_caustic() {
     let camera = camera(DVec3::Y * 2.0, DVec3::Y * 4.0, DVec3::NEG_Z, 0.8);
     let mirror = Shape::Rectangle(Rectangle::new(12.0, 12.0).expect("a rectangle"));
     let mix = MaterialModel::Mix(vec![
         (0.7, MaterialModel::Mirror { reflectance: ColorTexture::Constant(Rgb::gray(0.9)) }),
         (0.3, MaterialModel::Diffuse { albedo: ColorTexture::Constant(Rgb::gray(0.3)), roughness: 0.0 }),
     ]);
-    let mut pane = dielectric(0.0, Rgb::BLACK);
-    pane.interior = Some(InteriorMedium::clear(1.0001));
+    let mut clear = dielectric(0.0, Rgb::BLACK);
+    clear.interior = Some(InteriorMedium::clear(1.0001));
     let of = [
         (cuboid([-1.0, 4.0, -1.0], [1.0, 4.1, 1.0]), 0),
         (Content::Shape(mirror), 1),
@@ -170,8 +170,8 @@ fn a_pane_without_shadow_changes_no_caustic() {
     let kind = DeltaLightKind::Point { position, falloff: Falloff::InverseSquare, shadow_near: 0.0 };
     let of_nodes = |count: usize| {
         let mut nodes = nodes(&of[..count]);
-        nodes.iter_mut().skip(2).for_each(|pane| pane.casts_shadow = false);
-        let materials = vec![diffuse(0.3), surface(mix.clone()), pane.clone()];
+        nodes.iter_mut().skip(2).for_each(|slab| slab.casts_shadow = false);
+        let materials = vec![diffuse(0.3), surface(mix.clone()), clear.clone()];
         let mut scene = scene(camera, materials, nodes, vec![light(kind)]);
         (scene.settings.depth, scene.settings.seed) = (20, count as u64);
         render(&scene)

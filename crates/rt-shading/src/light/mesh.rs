@@ -113,14 +113,15 @@ impl MeshLight {
         Some(LightPoint { point, normal: face.normal, triangle: u32::try_from(index).ok()? })
     }
 
-    /// True if an emissive side of a triangle may lie behind another triangle: unless all lie in a plane, or around a convex body that
-    /// emits outwards. Of more than 1024 triangles, only planes are recognised.
+    /// True if an emissive side of a triangle may lie behind another triangle. It may not if all lie in a plane, or around a convex body
+    /// that emits outwards. Of more than 1024 triangles, only planes are recognised.
     pub fn may_hide_itself(&self) -> bool {
         let tolerance = FLATNESS * self.around.extent().max_element();
         let heights = |face: &Face, of: &Face| of.vertices.map(|vertex| (vertex - face.vertices[0]).dot(face.normal));
         let faces = || self.faces.iter().filter(|face| face.area > 0.0);
-        let is_beside = |face: &Face, other: &Face| heights(face, other).iter().any(|height| height.abs() > tolerance);
-        let is_flat = faces().next().is_none_or(|first| !faces().any(|other| is_beside(first, other)));
+        let is_off_plane =
+            |face: &Face, other: &Face| heights(face, other).iter().any(|height| height.abs() > tolerance);
+        let is_flat = faces().next().is_none_or(|first| !faces().any(|other| is_off_plane(first, other)));
         let may_be_convex = self.emission.sides() == EmissionSides::Front && self.faces.len() <= MAX_CONVEX;
         let is_before = |face: &Face, other: &Face| heights(face, other).iter().any(|height| *height > tolerance);
         !is_flat && (!may_be_convex || faces().any(|face| faces().any(|other| is_before(face, other))))

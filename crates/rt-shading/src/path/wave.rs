@@ -273,7 +273,7 @@ impl<E: Element> SpawnedPaths<E> {
 
 impl WavePathState {
     /// True if the hit of a path is shaded by itself because of the media around it. That is so for a surface in a medium that absorbs,
-    /// for glass in another medium than air, and where the light of sampled lights is left out.
+    /// and for glass in another medium than air. It is also so where the light of sampled lights is left out.
     fn keeps_out_of_lanes<E: Element>(
         &self,
         inputs: &PathInputs<'_>,
