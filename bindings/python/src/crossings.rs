@@ -180,6 +180,10 @@ fn all_crossings(
             for ((triangle, _), point) in hits[*start..*end].iter().zip(&points[*start..*end]) {
                 let is_same = |last: DVec3| largest(DVec3::from(*point) - last) <= tolerance;
                 if last.is_some_and(is_same) {
+                    // Hits on triangles that share the location may differ in `t` by rounding.
+                    if let Some(kept) = found.triangles.last_mut() {
+                        *kept = (*kept).min(i64::from(*triangle));
+                    }
                     continue;
                 }
                 if n_hits == max_hits {

@@ -12,16 +12,19 @@ use crate::error::value_error;
 #[pyclass(name = "Mesh", module = "rt._rt", frozen)]
 pub(crate) struct PyMesh {
     pub(crate) mesh: TriangleMesh<'static>,
-    /// Maximum magnitude of the coordinates of all vertices; 0 without vertices.
+    /// Maximum magnitude of the coordinates of all vertices of triangles; 0 without triangles.
     pub(crate) largest_coordinate: f64,
 }
 
 impl PyMesh {
     fn checked(mesh: Result<TriangleMesh<'static>, MeshError>) -> PyResult<Self> {
         let mesh = mesh.map_err(value_error)?;
+        let used = || mesh.triangles().as_flattened().iter().map(|vertex| *vertex as usize);
         let largest_coordinate = match mesh.vertices() {
-            Vertices::F32(vertices) => vertices.as_flattened().iter().fold(0.0_f32, |max, c| max.max(c.abs())).into(),
-            Vertices::F64(vertices) => vertices.as_flattened().iter().fold(0.0, |max, c| c.abs().max(max)),
+            Vertices::F32(vertices) => {
+                used().flat_map(|vertex| vertices[vertex]).fold(0.0_f32, |max, c| max.max(c.abs())).into()
+            }
+            Vertices::F64(vertices) => used().flat_map(|vertex| vertices[vertex]).fold(0.0, |max, c| c.abs().max(max)),
         };
         Ok(Self { mesh, largest_coordinate })
     }

@@ -123,3 +123,26 @@ def test_idle_threads_are_bounded():
             break
         time.sleep(0.1)
     assert n_threads() < limit + 100
+
+
+def test_a_signal_handler_may_query_the_mesh_whose_tree_is_built():
+    """It waited for the lock of its own thread forever."""
+    generator = np.random.default_rng(1)
+    mesh = rt.TriangleMesh(generator.normal(size=(300_000, 3)), np.arange(300_000).reshape(-1, 3))
+    answers = []
+    former = signal.signal(signal.SIGALRM, lambda *_: answers.append(mesh.any_hit([0, 0, 50], [0, 0, -1])))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.01)
+        answers.append(mesh.any_hit([0, 0, 50], [0, 0, -1]))
+        signal.setitimer(signal.ITIMER_REAL, 0)
+    finally:
+        signal.signal(signal.SIGALRM, former)
+    assert len(set(map(bool, answers))) == 1
+
+
+def test_an_update_within_an_update_is_refused():
+    scene = rt.Scene([MESH])
+
+    with scene._lock, pytest.raises(RuntimeError, match="interrupted"):
+        scene.update(insert=[MESH])
+    assert scene.update(insert=[MESH]) == [1]

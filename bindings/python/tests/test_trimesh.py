@@ -31,6 +31,25 @@ def test_a_ray_through_a_vertex_has_one_location():
         np.testing.assert_array_equal(array, same)
 
 
+def test_the_lowest_of_equal_faces_is_named():
+    """Rounding decided which one."""
+    vertices = np.array([[0, 0, 0], [1, 0.1, 0.2], [0.3, 1, 0.1]])
+    mesh = trimesh.Trimesh(vertices, [[1, 2, 0], [0, 1, 2]], process=False)
+    points = np.random.default_rng(0).dirichlet([1, 1, 1], 200) @ vertices
+    origins = np.tile([3.0, 1, 2], (200, 1))
+    index_tri, index_ray = RayMeshIntersector(mesh).intersects_id(origins, points - origins)
+    np.testing.assert_array_equal(index_tri, np.zeros(200))
+    np.testing.assert_array_equal(index_ray, np.arange(200))
+
+
+def test_vertices_without_faces_do_not_merge_locations():
+    """A far vertex made all hits one."""
+    box = trimesh.creation.box()
+    mesh = trimesh.Trimesh(np.vstack([box.vertices, [[1e13, 0, 0]]]), box.faces, process=False)
+    locations, _, _ = RayMeshIntersector(mesh).intersects_location([[0.1, 0.2, 5]], [[0, 0, -1]])
+    np.testing.assert_allclose(locations[:, 2], [0.5, -0.5])
+
+
 @pytest.mark.parametrize("scale", [1e-30, 1e-9, 1e-4, 1.0, 1e4, 1e8, 1e30])
 def test_hits_at_an_edge_count_once_at_every_scale(scale):
     mesh = trimesh.creation.box().subdivide().subdivide()

@@ -207,7 +207,7 @@ class _Geometry(_Queries):
 
     def __init__(self, geometry, quality):
         self._geometry = geometry
-        self._lock = Lock()
+        self._lock = Lock(reentrant=True)
         self._scene = None
         _rt.check_quality(quality)
         self.quality = quality

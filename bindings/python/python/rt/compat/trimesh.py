@@ -101,7 +101,8 @@ class RayMeshIntersector:
         Returns
         -------
         index_tri : ndarray of int64, shape (m,)
-            Rows of ``mesh.faces``; the lowest one of those that share the location.
+            Rows of ``mesh.faces``; the lowest one of those that share the location. With ``multiple_hits=False``, of faces
+            that lie in each other the one that is closest up to rounding.
         index_ray : ndarray of int64, shape (m,)
             Rows of the rays, in rising order; hits of one ray are in order along it.
         locations : ndarray of float64, shape (m, 3)
