@@ -40,7 +40,8 @@ pub(crate) fn vectorize<R>(function: impl FnOnce() -> R) -> R {
     function()
 }
 
-/// Version of [`vectorize`] for functions that take long to compile: `None` on x86 processors without AVX2, which gain little by them.
+/// Version of [`vectorize`] for functions that take long to compile: `None` on x86 processors without AVX2. The caller then computes one
+/// value after the other.
 #[inline(always)]
 pub(crate) fn try_vectorize<R>(function: impl FnOnce() -> R) -> Option<R> {
     #[cfg(target_arch = "x86_64")]
