@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_geometry::{ClosestPoint, Hit, Primitives, Probe};
+use rt_geometry::{ClosestPoint, Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
 use crate::error::{BuildError, ValidationError};
@@ -97,6 +97,34 @@ pub trait Accelerator: Sync {
     ) {
         for ((ray, span), occluded) in rays.iter().zip(occluded) {
             *occluded = self.occluded(primitives, ray, *span, probe);
+        }
+    }
+
+    /// [`closest`](Self::closest) for the rays of a stream, with identical results.
+    fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) {
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            hits.set(at, self.closest(primitives, &ray, span, probe).as_ref());
+        }
+    }
+
+    /// [`occluded`](Self::occluded) for the rays of a stream, with identical results. Ignores rays beyond the slice.
+    fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) {
+        for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+            let (ray, span) = rays.get(at);
+            *occluded = self.occluded(primitives, &ray, span, probe);
         }
     }
 

@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use crate::erased::{self, DynPrimitives, DynRayQuery, DynRegionQuery, NodeCount};
 use crate::ray_query::{AnyHit, Closest};
-use crate::wide::{BuildParams, Quality, SimdLevel, SmallSet};
+use crate::wide::{BuildParams, Quality, SimdLevel};
 use crate::{
     Accelerator, Bih, BspTree, BuildError, BuildStats, Bvh, CylinderTree, KdTree, LazyBih, Linear, RayQuery,
     RegionQuery, SphereTree, UniformGrid, ValidationError, WideBvh,
@@ -146,49 +146,6 @@ impl AnyAccelerator {
         }
     }
 
-    /// All primitives as a [`SmallSet`], if that is how a [`Linear`] traces batches.
-    pub fn small_set(&self) -> Option<SmallSet> {
-        if let Self::Linear(linear) = self { linear.small_set() } else { None }
-    }
-
-    /// Version of [`closest_batch`](Accelerator::closest_batch) for a stream of rays of any directions. Returns false, without any result,
-    /// if it has no kernels for streams: see [`SmallSet::closest_stream`] and [`WideBvh::closest_stream`].
-    #[must_use]
-    pub fn closest_stream<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &RayStream,
-        hits: &mut HitStream,
-        probe: &mut S,
-    ) -> bool {
-        match self {
-            Self::Linear(linear) => {
-                linear.small_set().is_some_and(|set| set.closest_stream(primitives, rays, hits, probe))
-            }
-            Self::Wide(wide) => wide.closest_stream(primitives, rays, hits, probe),
-            _ => false,
-        }
-    }
-
-    /// Version of [`occluded_batch`](Accelerator::occluded_batch) for a stream. Returns false as
-    /// [`closest_stream`](Self::closest_stream) does.
-    #[must_use]
-    pub fn occluded_stream<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &RayStream,
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) -> bool {
-        match self {
-            Self::Linear(linear) => {
-                linear.small_set().is_some_and(|set| set.occluded_stream(primitives, rays, occluded, probe))
-            }
-            Self::Wide(wide) => wide.occluded_stream(primitives, rays, occluded, probe),
-            _ => false,
-        }
-    }
-
     /// Passes the concrete accelerator to a visitor: one `match` for many queries.
     pub fn accept<V: AcceleratorVisitor>(&self, visitor: V) -> V::Output {
         dispatch!(self, accelerator => visitor.visit(accelerator))
@@ -310,6 +267,44 @@ impl Accelerator for AnyAccelerator {
             other => {
                 for ((ray, span), occluded) in rays.iter().zip(occluded) {
                     *occluded = other.occluded(primitives, ray, *span, probe);
+                }
+            }
+        }
+    }
+
+    fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) {
+        match self {
+            Self::Linear(linear) => linear.closest_stream(primitives, rays, hits, probe),
+            Self::Wide(wide) => wide.closest_stream(primitives, rays, hits, probe),
+            other => {
+                for at in 0..rays.len() {
+                    let (ray, span) = rays.get(at);
+                    hits.set(at, other.closest(primitives, &ray, span, probe).as_ref());
+                }
+            }
+        }
+    }
+
+    fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) {
+        match self {
+            Self::Linear(linear) => linear.occluded_stream(primitives, rays, occluded, probe),
+            Self::Wide(wide) => wide.occluded_stream(primitives, rays, occluded, probe),
+            other => {
+                for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+                    let (ray, span) = rays.get(at);
+                    *occluded = other.occluded(primitives, &ray, span, probe);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, ValidationError, brute_force};
-use rt_geometry::{Hit, Primitives, Probe};
+use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
 use crate::prim_bounds::{checked_padded_bounds, count};
@@ -126,6 +126,38 @@ impl Accelerator for Linear {
         }
         for ((ray, span), occluded) in rays.iter().zip(occluded) {
             *occluded = self.occluded(primitives, ray, *span, probe);
+        }
+    }
+
+    fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) {
+        if let Some(small_set) = self.small_set() {
+            return small_set.closest_stream(primitives, rays, hits, probe);
+        }
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            hits.set(at, self.closest(primitives, &ray, span, probe).as_ref());
+        }
+    }
+
+    fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) {
+        if let Some(small_set) = self.small_set() {
+            return small_set.occluded_stream(primitives, rays, occluded, probe);
+        }
+        for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+            let (ray, span) = rays.get(at);
+            *occluded = self.occluded(primitives, &ray, span, probe);
         }
     }
 

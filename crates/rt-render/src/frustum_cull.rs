@@ -4,7 +4,9 @@ use core::ops::ControlFlow;
 
 use rt_accel::{Accelerator, AnyAccelerator, BuildError, Region, wide::SmallSet};
 use rt_camera::ViewVolume;
-use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, padded_bounds};
+use rt_geometry::{
+    BatchKernel, Hit, HitStream, PrimitiveGeometry, Primitives, Probe, RayStream, SphereKernel, padded_bounds,
+};
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
 use crate::accel_choice::{self, AccelOptions, MAX_LINEAR_SPHERES, is_small};
@@ -122,15 +124,6 @@ impl PrimaryTarget<'_> {
         }
     }
 
-    /// The objects, if they are few; their indices are those of the whole set.
-    pub(crate) fn small_set(&self) -> Option<SmallSet> {
-        match self {
-            Self::All(accelerator) => accelerator.small_set(),
-            Self::Culled(_) => None,
-            Self::Tile(small) => Some((*small).clone()),
-        }
-    }
-
     /// Closest hit of a camera ray, with the ids of the whole set.
     pub(crate) fn closest<P: Primitives, S: Probe>(
         &self,
@@ -146,18 +139,18 @@ impl PrimaryTarget<'_> {
         }
     }
 
-    /// Batch version of [`closest`](Self::closest): `hits[i]` belongs to `rays[i]`. All are `None` on entry.
-    pub(crate) fn closest_batch<P: Primitives, S: Probe>(
+    /// Version of [`closest`](Self::closest) for a stream.
+    pub(crate) fn closest_stream<P: Primitives, S: Probe>(
         &self,
         all: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
+        rays: &RayStream,
+        hits: &mut HitStream,
         probe: &mut S,
     ) {
         match self {
-            Self::All(accelerator) => accelerator.closest_batch(all, rays, hits, probe),
-            Self::Culled(visible) => visible.accelerator.closest_batch(&visible.subset(all), rays, hits, probe),
-            Self::Tile(small) => small.closest_batch(all, rays, hits, probe),
+            Self::All(accelerator) => accelerator.closest_stream(all, rays, hits, probe),
+            Self::Culled(visible) => visible.accelerator.closest_stream(&visible.subset(all), rays, hits, probe),
+            Self::Tile(small) => small.closest_stream(all, rays, hits, probe),
         }
     }
 }

@@ -19,7 +19,7 @@ use crate::{
     primary_rays::PrimaryRayBatch,
     tile_job::{TileJob, TileResult},
     tile_layers::TileLayers,
-    tracer::{SceneTracer, TracerBuffers},
+    tracer::SceneTracer,
     work_probe::WorkProbe,
 };
 
@@ -30,7 +30,6 @@ pub(crate) struct ThreadState {
     occlusion: OcclusionWave,
     hits: HitStream,
     camera: PrimaryRayBatch,
-    buffers: TracerBuffers,
 }
 
 impl ThreadState {
@@ -50,7 +49,6 @@ impl ThreadState {
             occlusion: OcclusionWave::default(),
             hits: HitStream::default(),
             camera: PrimaryRayBatch::new(batch_size(plan.scene.source.appearance.lights.len())),
-            buffers: TracerBuffers::default(),
         }
     }
 }
@@ -75,11 +73,10 @@ impl RenderPlan<'_> {
         {
             return TileResult { layers: layers.map(|layers| layers.channels()).unwrap_or_default(), ..finished };
         }
-        let ThreadState { whitted, paths, occlusion, hits, camera, buffers } = worker;
+        let ThreadState { whitted, paths, occlusion, hits, camera } = worker;
         let lighting = self.scene.lighting();
         let materials = &self.scene.appearance.materials;
-        let mut tracer =
-            SceneTracer::new(world, accelerator, primary_target, probe).with_buffers(core::mem::take(buffers));
+        let mut tracer = SceneTracer::new(world, accelerator, primary_target, probe);
         tracer.layers = layers;
         let (medium, mut lists) = (&self.frame.medium, Vec::new());
         let mut result = match &self.integrator {
@@ -126,7 +123,6 @@ impl RenderPlan<'_> {
         result.layers = tracer.layers.take().map(|layers| layers.channels()).unwrap_or_default();
         result.statistics.shading += whitted.take_counts();
         result.statistics.shading += paths.take_counts();
-        *buffers = tracer.into_buffers();
         result
     }
 

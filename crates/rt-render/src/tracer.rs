@@ -1,7 +1,7 @@
 //! Ray queries of integrators against the world.
 
 use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{Hit, HitStream, InteractionFlags, Probe, RayCounts, RayKind, RayStream};
+use rt_geometry::{HitStream, InteractionFlags, Probe, RayCounts, RayKind, RayStream};
 use rt_math::{Interval, Ray};
 use rt_shading::{SceneQueries, StreamPrimitive, StreamQueries, SurfaceHit};
 
@@ -20,13 +20,7 @@ pub(crate) struct SceneTracer<'w> {
     pub(crate) probe: WorkProbe,
     /// Layers that camera rays are added to.
     pub(crate) layers: Option<TileLayers<'w>>,
-    /// Buffer for the hits of a batch.
-    hits: Vec<Option<Hit>>,
-    /// Buffer for the rays of a stream.
-    batch: Vec<(Ray, Interval)>,
 }
-
-pub(crate) type TracerBuffers = (Vec<Option<Hit>>, Vec<(Ray, Interval)>);
 
 impl<'w> SceneTracer<'w> {
     pub(crate) fn new(
@@ -35,27 +29,7 @@ impl<'w> SceneTracer<'w> {
         primary_target: PrimaryTarget<'w>,
         probe: WorkProbe,
     ) -> Self {
-        Self {
-            world,
-            accelerator,
-            primary_target,
-            rays: RayCounts::default(),
-            skipped: 0,
-            probe,
-            layers: None,
-            hits: Vec::new(),
-            batch: Vec::new(),
-        }
-    }
-
-    /// Reuses the buffers of an earlier tracer.
-    pub(crate) fn with_buffers(self, (hits, batch): TracerBuffers) -> Self {
-        Self { hits, batch, ..self }
-    }
-
-    /// Returns the buffers for the next tracer.
-    pub(crate) fn into_buffers(self) -> TracerBuffers {
-        (self.hits, self.batch)
+        Self { world, accelerator, primary_target, rays: RayCounts::default(), skipped: 0, probe, layers: None }
     }
 
     /// Objects that rays of this kind are tested against.
@@ -72,14 +46,6 @@ impl<'w> SceneTracer<'w> {
             self.count(kind, rays);
         }
         can_skip
-    }
-
-    /// The rays of a stream in the reused buffer, which the caller returns.
-    fn batch_of(&mut self, rays: &RayStream) -> Vec<(Ray, Interval)> {
-        let mut batch = core::mem::take(&mut self.batch);
-        batch.clear();
-        batch.extend((0..rays.len()).map(|at| rays.get(at)));
-        batch
     }
 
     fn count(&mut self, kind: RayKind, rays: usize) {
@@ -114,22 +80,9 @@ impl StreamQueries for SceneTracer<'_> {
             return (0..rays.len()).for_each(|at| hits.set(at, None));
         }
         let (world, probe) = (self.world, &mut self.probe);
-        let is_traced = match kind {
-            RayKind::Primary => {
-                let few = self.primary_target.small_set();
-                few.is_some_and(|few| few.closest_stream(world, rays, hits, probe))
-            }
+        match kind {
+            RayKind::Primary => self.primary_target.closest_stream(world, rays, hits, probe),
             _ => self.accelerator.closest_stream(world, rays, hits, probe),
-        };
-        if !is_traced {
-            let batch = self.batch_of(rays);
-            self.hits.clear();
-            self.hits.resize(batch.len(), None);
-            self.target(kind).closest_batch(world, &batch, &mut self.hits, &mut self.probe);
-            for (at, hit) in self.hits.iter().enumerate() {
-                hits.set(at, hit.as_ref());
-            }
-            self.batch = batch;
         }
         if let (Some(layers), RayKind::Primary) = (&mut self.layers, kind) {
             layers.add_stream(world, rays, hits);
@@ -138,13 +91,7 @@ impl StreamQueries for SceneTracer<'_> {
 
     fn occluded_stream(&mut self, rays: &RayStream, occluded: &mut [bool]) {
         self.count(RayKind::Shadow, rays.len());
-        if self.accelerator.occluded_stream(self.world, rays, occluded, &mut self.probe) {
-            return;
-        }
-        let batch = self.batch_of(rays);
-        occluded.fill(false);
-        self.accelerator.occluded_batch(self.world, &batch, occluded, &mut self.probe);
-        self.batch = batch;
+        self.accelerator.occluded_stream(self.world, rays, occluded, &mut self.probe);
     }
 
     #[inline(always)]

@@ -1,14 +1,12 @@
 //! Queries for many rays: structures of arrays in, structures of arrays out.
 //!
-//! Rays are gathered in chunks that fit into the second-level cache, traced together, and their hits written to the
-//! caller's arrays. The functions with the prefix `par_` share the chunks among the threads of the current rayon pool,
+//! Rays are gathered in streams, which are traced one after the other, and their hits written to the
+//! caller's arrays. The functions with the prefix `par_` share the rays among the threads of the current rayon pool,
 //! with identical results.
 
 use core::ops::Range;
 
-use glam::DVec3;
-use rt_geometry::{Hit, NoProbe};
-use rt_math::{Interval, Ray};
+use rt_geometry::{Hit, HitStream, NoProbe, RayStream, STREAM_CAPACITY};
 
 use super::ray_queries::Scene;
 use crate::Accelerator;
@@ -16,12 +14,13 @@ use crate::batch::{BatchError, HitBatch, RayBatch};
 #[cfg(feature = "parallel")]
 use crate::parallel_for::{parallel_for_each, parallel_map};
 
-/// Rays that are gathered at a time.
-const CHUNK: usize = 1024;
-
 /// Rays that a thread takes at a time.
 #[cfg(feature = "parallel")]
-const RAYS_PER_TASK: usize = 16 * CHUNK;
+const RAYS_PER_TASK: usize = 64 * STREAM_CAPACITY;
+
+/// Rays with all their hits that a thread takes at a time.
+#[cfg(feature = "parallel")]
+const RAYS_OF_LISTS: usize = 4 * STREAM_CAPACITY;
 
 /// All hits of many rays: those of ray `i` are `hits[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,39 +45,16 @@ impl HitLists {
     }
 }
 
-/// Memory for the rays and hits of a chunk.
-struct RayChunk<O> {
-    rays: Vec<(Ray, Interval)>,
-    outputs: Vec<O>,
-}
-
-impl<O: Clone + Default> RayChunk<O> {
-    fn new() -> Self {
-        Self {
-            rays: vec![(Ray::new(DVec3::ZERO, DVec3::ZERO), Interval::FORWARD); CHUNK],
-            outputs: vec![O::default(); CHUNK],
+/// Calls `trace` with the rays of a range in one stream after the other, and the place of the first ray in the range.
+fn for_each_stream(rays: &RayBatch<'_>, range: Range<usize>, mut trace: impl FnMut(usize, &RayStream)) {
+    let mut stream = RayStream::default();
+    for first in range.clone().step_by(STREAM_CAPACITY) {
+        stream.clear();
+        for index in first..range.end.min(first + STREAM_CAPACITY) {
+            let (ray, span) = rays.get(index);
+            stream.push(&ray, span);
         }
-    }
-
-    /// Calls `trace` for one chunk of rays after the other, with outputs to overwrite, and `store` with the results.
-    fn for_each(
-        &mut self,
-        rays: &RayBatch<'_>,
-        range: Range<usize>,
-        trace: impl Fn(&[(Ray, Interval)], &mut [O]),
-        mut store: impl FnMut(usize, &O),
-    ) {
-        let end = range.end;
-        for first in range.clone().step_by(CHUNK) {
-            let n = CHUNK.min(end - first);
-            for (i, ray) in self.rays[..n].iter_mut().enumerate() {
-                *ray = rays.get(first + i);
-            }
-            trace(&self.rays[..n], &mut self.outputs[..n]);
-            for (i, output) in self.outputs[..n].iter().enumerate() {
-                store(first - range.start + i, output);
-            }
-        }
+        trace(first - range.start, &stream);
     }
 }
 
@@ -122,19 +98,24 @@ impl Scene<'_> {
     }
 
     fn closest_range(&self, rays: &RayBatch<'_>, range: Range<usize>, hits: &mut HitBatch<'_>) {
-        let trace = |rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]| match self.single() {
-            Some(geometry) => geometry.closest_batch(rays, hits, &mut NoProbe),
-            None => self.tree.bvh.closest_batch(&self.top_level(), rays, hits, &mut NoProbe),
-        };
-        RayChunk::new().for_each(rays, range, trace, |index, hit| hits.set(index, hit.as_ref()));
+        let mut of_stream = HitStream::default();
+        for_each_stream(rays, range, |first, rays| {
+            match self.single() {
+                Some(geometry) => geometry.closest_stream(rays, &mut of_stream, &mut NoProbe),
+                None => self.tree.bvh.closest_stream(&self.top_level(), rays, &mut of_stream, &mut NoProbe),
+            }
+            (0..rays.len()).for_each(|at| hits.set(first + at, of_stream.get(at).as_ref()));
+        });
     }
 
     fn occluded_range(&self, rays: &RayBatch<'_>, range: Range<usize>, occluded: &mut [bool]) {
-        let trace = |rays: &[(Ray, Interval)], occluded: &mut [bool]| match self.single() {
-            Some(geometry) => geometry.occluded_batch(rays, occluded, &mut NoProbe),
-            None => self.tree.bvh.occluded_batch(&self.top_level(), rays, occluded, &mut NoProbe),
-        };
-        RayChunk::new().for_each(rays, range, trace, |index, is_occluded| occluded[index] = *is_occluded);
+        for_each_stream(rays, range, |first, rays| {
+            let occluded = &mut occluded[first..first + rays.len()];
+            match self.single() {
+                Some(geometry) => geometry.occluded_stream(rays, occluded, &mut NoProbe),
+                None => self.tree.bvh.occluded_stream(&self.top_level(), rays, occluded, &mut NoProbe),
+            }
+        });
     }
 
     fn all_hits_range(&self, rays: &RayBatch<'_>, range: Range<usize>) -> HitLists {
@@ -203,8 +184,8 @@ impl Scene<'_> {
 
     /// [`all_hits_batch`](Self::all_hits_batch) on the threads of the current rayon pool.
     pub fn par_all_hits_batch(&self, rays: &RayBatch<'_>) -> HitLists {
-        let n_tasks = rays.len().div_ceil(CHUNK);
-        let task = |i: usize| self.all_hits_range(rays, i * CHUNK..rays.len().min((i + 1) * CHUNK));
+        let n_tasks = rays.len().div_ceil(RAYS_OF_LISTS);
+        let task = |i: usize| self.all_hits_range(rays, i * RAYS_OF_LISTS..rays.len().min((i + 1) * RAYS_OF_LISTS));
         parallel_map(n_tasks, task).into_iter().fold(HitLists::empty(), HitLists::append)
     }
 
@@ -215,8 +196,8 @@ impl Scene<'_> {
     /// Those of [`count_hits_batch`](Self::count_hits_batch).
     pub fn par_count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
         check_length("counts", counts.len(), rays)?;
-        let tasks = counts.chunks_mut(CHUNK).enumerate().collect();
-        parallel_for_each(tasks, |(i, counts)| self.count_range(rays, i * CHUNK, counts));
+        let tasks = counts.chunks_mut(RAYS_OF_LISTS).enumerate().collect();
+        parallel_for_each(tasks, |(i, counts)| self.count_range(rays, i * RAYS_OF_LISTS, counts));
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! Geometry of a scene with its tree.
 
 use glam::DVec3;
-use rt_geometry::{Hit, Primitives, Probe, Spheres};
+use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream, Spheres};
 use rt_math::{Aabb, Interval, Ray};
 
 use super::refit_tree::RefitTree;
@@ -77,6 +77,14 @@ impl<'a> Blas<'a> {
     #[inline]
     pub(super) fn occluded<S: Probe>(&self, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded(primitives, ray, span, probe))
+    }
+
+    pub(super) fn closest_stream<S: Probe>(&self, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.closest_stream(primitives, rays, hits, probe));
+    }
+
+    pub(super) fn occluded_stream<S: Probe>(&self, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
+        with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded_stream(primitives, rays, occluded, probe));
     }
 
     pub(super) fn closest_batch<S: Probe>(&self, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {

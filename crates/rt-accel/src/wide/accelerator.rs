@@ -2,27 +2,23 @@
 
 use core::ops::ControlFlow;
 
-use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream, STREAM_CAPACITY};
+use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
 use super::batch::BatchContext;
 use super::build::{BuildParams, PrimStats, build};
-use super::f64x8::PACKET;
 use super::leaf::{LeafKind, LeafWriter, Leaves};
-use super::list_traversal::ListStream;
 use super::node::Child;
 use super::query::{PrimitiveTester, Tester, TraversalStats};
-use super::simd::{DetectedSimd, SimdLevel, take_lane};
+use super::simd::{DetectedSimd, SimdLevel};
 use super::single_ray::SingleContext;
+use super::stream_buffers::{closest_in_streams, occluded_in_streams};
 use super::tree_query::TreeQuery;
 use super::triangle_list::TriangleList;
 use super::{WideBvh, sah};
 use crate::erased::DynPrimitives;
 use crate::ray_query::AllHits;
 use crate::{Accelerator, BuildError, BuildStats, RayQuery, RegionQuery, ValidationError};
-
-/// Traces a stream through the list of triangles at a level; false if there is no kernel for it.
-type TraceList<R> = fn(ListStream<'_>, DetectedSimd, &RayStream, &mut R) -> bool;
 
 impl WideBvh {
     /// Builds the tree with medium quality: O(n log n) time, some 60 bytes per triangle afterwards.
@@ -95,83 +91,20 @@ impl WideBvh {
         output
     }
 
-    fn trace_batch<O: TreeQuery, P: Primitives, S: Probe>(
+    fn trace_stream<O: TreeQuery, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
-        rays: &[(Ray, Interval)],
-        outputs: &mut [O],
+        rays: &RayStream,
+        outputs: &mut O::OfStream,
         probe: &mut S,
     ) where
         for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
     {
-        let n = rays.len().min(outputs.len());
-        let (Some(rays), Some(outputs)) = (rays.get(..n), outputs.get_mut(..n)) else { return };
         let counts_work = probe.counts_work();
         let mut tester = Tester { primitives, probe };
         let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work };
-        O::trace_batch(self, &mut context, rays, outputs);
+        O::trace_stream(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
-    }
-
-    /// Version of [`closest_batch`](Accelerator::closest_batch) for a stream of rays of any directions. Returns false, without any result,
-    /// unless the tree is small and most of its primitives are exact triangles. So it does for a probe that counts work.
-    #[must_use]
-    pub fn closest_stream<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &RayStream,
-        hits: &mut HitStream,
-        probe: &mut S,
-    ) -> bool {
-        let trace: TraceList<_> = |list, level, rays, hits| list.closest(level, rays, hits);
-        self.trace_list(trace, rays, hits, probe.counts_work(), |at, ray, span, hits| {
-            hits.set(at, self.closest(primitives, ray, span, probe).as_ref());
-        })
-    }
-
-    /// Version of [`occluded_batch`](Accelerator::occluded_batch) for a stream. Returns false as
-    /// [`closest_stream`](Self::closest_stream) does.
-    #[must_use]
-    pub fn occluded_stream<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &RayStream,
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) -> bool {
-        let trace: TraceList<_> = |list, level, rays, occluded| list.occluded(level, rays, occluded);
-        self.trace_list(trace, rays, occluded, probe.counts_work(), |at, ray, span, occluded| {
-            if let Some(occluded) = occluded.get_mut(at) {
-                *occluded = self.occluded(primitives, ray, span, probe);
-            }
-        })
-    }
-
-    /// Traces a stream through the list of triangles. `trace_open` traces a ray without a result. False, without any result, if there
-    /// is no such list, or no kernel for it at this level.
-    fn trace_list<R: ?Sized>(
-        &self,
-        trace: TraceList<R>,
-        rays: &RayStream,
-        results: &mut R,
-        counts_work: bool,
-        mut trace_open: impl FnMut(usize, &Ray, Interval, &mut R),
-    ) -> bool {
-        let Some(list) = self.list.as_ref().filter(|_| !counts_work) else { return false };
-        let mut open = [0; STREAM_CAPACITY / PACKET];
-        let traversal = ListStream { tree: self, list, open: &mut open };
-        if !trace(traversal, self.level, rays, results) {
-            return false;
-        }
-        for (first, open) in (0..).step_by(PACKET).zip(open) {
-            let mut open = u32::from(open);
-            while open != 0 {
-                let at = first + take_lane(&mut open);
-                let (ray, span) = rays.get(at);
-                trace_open(at, &ray, span, results);
-            }
-        }
-        true
     }
 }
 
@@ -199,7 +132,7 @@ impl Accelerator for WideBvh {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        self.trace_batch(primitives, rays, hits, probe);
+        closest_in_streams(rays, hits, &mut |rays, hits| self.closest_stream(primitives, rays, hits, probe));
     }
 
     fn occluded_batch<P: Primitives, S: Probe>(
@@ -209,7 +142,29 @@ impl Accelerator for WideBvh {
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        self.trace_batch(primitives, rays, occluded, probe);
+        occluded_in_streams(rays, occluded, &mut |rays, occluded| {
+            self.occluded_stream(primitives, rays, occluded, probe)
+        });
+    }
+
+    fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) {
+        self.trace_stream::<Option<Hit>, _, _>(primitives, rays, hits, probe);
+    }
+
+    fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) {
+        self.trace_stream::<bool, _, _>(primitives, rays, occluded, probe);
     }
 
     fn all_hits<P: Primitives, S: Probe>(

@@ -8,10 +8,8 @@
 use core::marker::PhantomData;
 use core::mem::MaybeUninit;
 
-use rt_math::{Interval, Ray};
-
 use super::WideBvh;
-use super::coherence::{is_coherent, same_octant_prefix};
+use super::coherence::are_coherent;
 use super::entry_points::EntryPoints;
 use super::f64x8::PACKET;
 use super::filter::LeafTest;
@@ -20,16 +18,13 @@ use super::leaf::Lane;
 use super::node::Child;
 use super::packet::{PacketStack, PacketTraversal, SWITCH_THRESHOLD};
 use super::query::{Output, PrimSlot, PrimitiveTester, RayState, TravRay, TraversalStats};
-use super::ray_soa::pad_to_packet;
 use super::simd::{Simd, WithSimd};
 use super::single_ray::traverse;
 use super::stack::{STACK, StackStorage};
+use super::stream_rays::{N_PACKETS, StreamRays};
 
 /// Interleaved rays: enough to outlast a cache miss, few enough to stay in the first-level cache.
 const N_IN_FLIGHT: usize = 16;
-
-/// Most rays that are culled with one frustum.
-const BUNDLE_SIZE: usize = 64;
 
 /// Trees of fewer spheres are not culled by frustum: packets reach their leaves as soon. Trees of triangles never are, as
 /// most rays of a bundle miss most triangles.
@@ -42,6 +37,8 @@ const INTERLEAVE_MIN_BYTES: usize = 8 << 20;
 pub(super) struct BatchTraversal<'q, 'j, O, F> {
     pub(super) tree: &'q WideBvh,
     pub(super) context: &'q mut BatchContext<'j, O>,
+    /// A bit for each packet whose rays are traced.
+    pub(super) packets: u32,
     pub(super) leaf_test: PhantomData<F>,
 }
 
@@ -53,15 +50,16 @@ pub(crate) struct BatchContext<'j, O> {
     pub(super) counts_work: bool,
 }
 
-impl<O: Output, F: LeafTest> WithSimd<&[(Ray, Interval)], &mut [O]> for BatchTraversal<'_, '_, O, F> {
+impl<O: Output, F: LeafTest> WithSimd<StreamRays<'_>, &mut O::OfStream> for BatchTraversal<'_, '_, O, F> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
+    fn run<S: Simd>(self, simd: S, rays: StreamRays<'_>, outputs: &mut O::OfStream) {
         let mut pool = RayPool::<S, F, O> {
             simd,
             tree: self.tree,
             tester: self.context.tester,
             stats: TraversalStats::default(),
             rays,
+            packets: self.packets,
             outputs,
             next_ray: 0,
             packet_end: 0,
@@ -180,13 +178,15 @@ impl RayQueue {
 }
 
 /// A batch, and its rays in flight.
-struct RayPool<'r, 'q, S: Simd, F, O> {
+struct RayPool<'r, 'q, S: Simd, F, O: Output> {
     simd: S,
     tree: &'q WideBvh,
     tester: &'q mut dyn PrimitiveTester<O>,
     stats: TraversalStats,
-    rays: &'r [(Ray, Interval)],
-    outputs: &'r mut [O],
+    rays: StreamRays<'r>,
+    /// A bit for each packet whose rays are traced.
+    packets: u32,
+    outputs: &'q mut O::OfStream,
     next_ray: usize,
     /// Rays before this one are traced singly.
     packet_end: usize,
@@ -214,22 +214,26 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
         loop {
             if self.next_ray == self.packet_end {
                 self.packet_end += PACKET;
-                if self.trace_packet() {
+                let is_wanted = self.packets >> (self.next_ray / PACKET % N_PACKETS) & 1 != 0;
+                if !is_wanted || self.trace_packet() {
                     self.next_ray = self.packet_end.min(self.rays.len());
                     continue;
                 }
             }
-            let Some((ray, span)) = self.rays.get(self.next_ray).filter(|_| self.free_slots.len > 0) else { return };
+            if self.next_ray >= self.rays.len() || self.free_slots.len == 0 {
+                return;
+            }
+            let (ray, span) = self.rays.get(self.next_ray);
             let index = self.next_ray;
             self.next_ray += 1;
             let mut state = RayState::new(*span);
             if !self.tree.unbounded.is_empty() && state.test_unbounded(self.tree, self.tester, ray).is_break() {
-                self.write_result(index, state.output());
+                state.output().write(self.outputs, index);
                 continue;
             }
             let Some(trav) = TravRay::<S, F>::new(self.simd, self.tree, ray, *span) else {
                 state.traverse_f64(self.tree, self.tester, ray);
-                self.write_result(index, state.output());
+                state.output().write(self.outputs, index);
                 continue;
             };
             let is_occluded = O::ANY_HIT && self.test_last_occluder(&trav, &mut state);
@@ -266,32 +270,14 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
     #[inline(always)]
     fn trace_packet(&mut self) -> bool {
         let first = self.next_ray;
-        let rest = self.rays.get(first..).unwrap_or(&[]);
-        let n = rest.len().min(PACKET);
-        if n <= SWITCH_THRESHOLD as usize {
-            return false;
-        }
-        let padded;
-        let rays = if let Some(rays) = rest.first_chunk() {
-            rays
-        } else {
-            padded = pad_to_packet(rest);
-            &padded
-        };
-        if !is_coherent(rays) {
+        let n = self.rays.len().saturating_sub(first).min(PACKET);
+        if n <= SWITCH_THRESHOLD as usize || !are_coherent(self.simd, self.rays.directions(self.simd, first), n) {
             return false;
         }
         if first >= self.bundle_end {
             self.cull_bundle();
         }
-        let Some(outputs) = self.outputs.get_mut(first..first + n) else { return false };
-        let mut spare;
-        let outputs = if let Some(outputs) = outputs.first_chunk_mut() {
-            outputs
-        } else {
-            spare = [O::default(); PACKET];
-            &mut spare
-        };
+        let mut outputs = [O::default(); PACKET];
         let mut packet = PacketTraversal::<S, O> {
             simd: self.simd,
             tree: self.tree,
@@ -302,10 +288,11 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
             entry_points: (first < self.bundle_end).then_some(&self.entry_points),
             occluder: &mut self.occluder,
         };
-        let is_traced = packet.trace::<F>(n, rays, outputs);
-        if is_traced && n < PACKET {
-            let outputs = *outputs;
-            self.outputs[first..first + n].copy_from_slice(&outputs[..n]);
+        let is_traced = packet.trace::<F>(n, self.rays.packet(first), &mut outputs);
+        if is_traced {
+            for (lane, output) in outputs.into_iter().enumerate().take(n) {
+                output.write(self.outputs, first + lane);
+            }
         }
         is_traced
     }
@@ -316,12 +303,7 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
         if !F::IS_SPHERE || self.tree.bounded < MIN_PRIMS_TO_CULL {
             return;
         }
-        let rays = self.rays.get(self.next_ray..).unwrap_or(&[]);
-        let n = same_octant_prefix(rays.get(..BUNDLE_SIZE).unwrap_or(rays)) / PACKET * PACKET;
-        if n < 2 * PACKET {
-            return;
-        }
-        if let Some(frustum) = rays.get(..n).and_then(|rays| BundleFrustum::enclosing(self.simd, self.tree, rays)) {
+        if let Some((frustum, n)) = BundleFrustum::enclosing(self.simd, self.tree, self.rays, self.next_ray) {
             self.stats.nodes += self.entry_points.build::<S, F>(self.simd, self.tree, &frustum);
             self.bundle_end = self.next_ray + n;
         }
@@ -350,17 +332,11 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
     /// Resolves a single ray and writes its result.
     #[inline(always)]
     fn finish(&mut self, trav: &TravRay<'_, S, F>, state: &mut RayState<O>, index: usize) {
-        let Some(output) = self.outputs.get_mut(index) else { return };
-        state.resolve::<S, F>(self.simd, self.tree, self.tester, &trav.ray, output);
+        let mut output = O::default();
+        state.resolve::<S, F>(self.simd, self.tree, self.tester, &trav.ray, &mut output);
+        output.write(self.outputs, index);
         self.stats.hits += state.uncounted_hits();
         self.occluder = state.last_occluder();
-    }
-
-    #[inline(always)]
-    fn write_result(&mut self, index: usize, result: O) {
-        if let Some(output) = self.outputs.get_mut(index) {
-            *output = result;
-        }
     }
 
     /// Queues an interleaved ray for its next child, without branches between nodes and leaves.
@@ -427,8 +403,9 @@ impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
             let (slot, _) = self.free_slots.get(i);
             // SAFETY: written, as the ray has been queued.
             let ActiveRay { trav, state, index } = unsafe { self.active[slot].assume_init_mut() };
-            let Some(output) = self.outputs.get_mut(*index) else { return };
-            state.resolve::<S, F>(self.simd, self.tree, self.tester, &trav.ray, output);
+            let mut output = O::default();
+            state.resolve::<S, F>(self.simd, self.tree, self.tester, &trav.ray, &mut output);
+            output.write(self.outputs, *index);
             self.stats.hits += state.uncounted_hits();
         }
     }

@@ -2,13 +2,13 @@
 //! compiled once.
 
 use rt_geometry::BatchKernel;
-use rt_math::{Interval, Ray};
 
 use super::f64x8::{F64x8, PACKET};
 use super::packet_spheres::SpherePacket;
 use super::packet_triangles;
-use super::ray_soa::{PacketHit, RaySoa8};
+use super::ray_soa::PacketHit;
 use super::simd::{DetectedSimd, Simd, WithSimd};
+use super::stream_rays::PacketRays;
 
 /// Rays of a packet that hit a primitive within their spans.
 #[derive(Clone, Copy, Default)]
@@ -25,7 +25,7 @@ impl ExactPacketHits {
     /// Intersects the rays of a mask. Those of other primitives than spheres and triangles are uncertain, and so are all at levels
     /// without packets.
     #[inline(never)]
-    pub(super) fn of(level: DetectedSimd, kernel: &BatchKernel, rays: &[(Ray, Interval); PACKET], mask: u32) -> Self {
+    pub(super) fn of(level: DetectedSimd, kernel: &BatchKernel, rays: PacketRays<'_>, mask: u32) -> Self {
         let mut hits = Self { uncertain: mask, ..Self::default() };
         let _ = level.dispatch_lists(ExactPacket { kernel, mask }, rays, &mut hits);
         hits
@@ -37,10 +37,10 @@ struct ExactPacket<'k> {
     mask: u32,
 }
 
-impl WithSimd<&[(Ray, Interval); PACKET], &mut ExactPacketHits> for ExactPacket<'_> {
+impl WithSimd<PacketRays<'_>, &mut ExactPacketHits> for ExactPacket<'_> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], hits: &mut ExactPacketHits) {
-        let soa = RaySoa8::new(simd, rays);
+    fn run<S: Simd>(self, simd: S, rays: PacketRays<'_>, hits: &mut ExactPacketHits) {
+        let soa = rays.soa(simd);
         let mask = self.mask & soa.in_safe_range(simd);
         let mut add = |rays: u32, found: &PacketHit<S>| {
             hits.hit |= rays & found.hit;
@@ -67,11 +67,14 @@ impl WithSimd<&[(Ray, Interval); PACKET], &mut ExactPacketHits> for ExactPacket<
 
 #[cfg(test)]
 mod tests {
-    use rt_geometry::{SphereKernel, WatertightRay, intersect_triangle};
+    use core::cell::OnceCell;
+
+    use rt_geometry::{RayStream, SphereKernel, WatertightRay, intersect_triangle};
     use rt_math::random::{hash, unit};
-    use rt_math::{DVec3, SlabRay};
+    use rt_math::{DVec3, Interval, Ray, SlabRay};
 
     use super::super::simd::SimdLevel;
+    use super::super::stream_rays::{N_PACKETS, StreamRays};
     use super::*;
 
     fn vector(seed: u64, index: u64) -> DVec3 {
@@ -79,18 +82,26 @@ mod tests {
         DVec3::new(number(0), number(1), number(2))
     }
 
+    /// Hits of a slice.
+    fn hits_of(level: DetectedSimd, kernel: &BatchKernel, rays: &[(Ray, Interval)], mask: u32) -> ExactPacketHits {
+        let mut stream = RayStream::default();
+        rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
+        let copies = [const { OnceCell::new() }; N_PACKETS];
+        ExactPacketHits::of(level, kernel, StreamRays::new(&stream, &copies).packet(0), mask)
+    }
+
     /// Compares results at all levels. Returns the counts of hits, and of rays that need the scalar test, at levels with packets.
     fn compare(kernel: &BatchKernel, exact: impl Fn(&Ray, Interval) -> Option<f64>) -> [u32; 2] {
         let mut counts = [0; 2];
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
             for seed in 0..100 {
-                let rays = core::array::from_fn(|lane| {
+                let rays: [_; PACKET] = core::array::from_fn(|lane| {
                     let origin = vector(seed, 2 * lane as u64) * 2.0;
                     let target = vector(seed, 2 * lane as u64 + 1);
                     (Ray::new(origin, target - origin), Interval::new(0.0, 0.25 + 0.25 * lane as f64))
                 });
                 let mask = hash(&[seed]) as u32 & 0xff;
-                let hits = ExactPacketHits::of(DetectedSimd::new(level), kernel, &rays, mask);
+                let hits = hits_of(DetectedSimd::new(level), kernel, &rays, mask);
                 assert_eq!((hits.hit | hits.uncertain) & !mask, 0);
                 assert_eq!(hits.hit & hits.uncertain, 0);
                 for (lane, (ray, span)) in rays.iter().enumerate().filter(|(lane, _)| mask >> lane & 1 != 0) {
@@ -133,7 +144,7 @@ mod tests {
         let rays = [(Ray::new(DVec3::ZERO, DVec3::X * 1e-200), Interval::FORWARD); PACKET];
         let sphere = BatchKernel::Sphere(SphereKernel { centre: DVec3::X, radius: 0.5 });
         for kernel in [BatchKernel::Instance, BatchKernel::Single, sphere] {
-            let hits = ExactPacketHits::of(DetectedSimd::default(), &kernel, &rays, 0b101);
+            let hits = hits_of(DetectedSimd::default(), &kernel, &rays, 0b101);
             assert_eq!((hits.hit, hits.uncertain), (0, 0b101));
         }
     }

@@ -99,6 +99,14 @@ impl<S: Simd> F64x8<S> {
         [a, b, c, d, e, f, g, h]
     }
 
+    /// The first number.
+    #[inline(always)]
+    pub(super) fn first(self, simd: S) -> f64 {
+        let [low, _] = self.halves(simd);
+        let [first, ..] = simd.to_f64_array(low);
+        first
+    }
+
     /// Minimum of the lanes; any of them if one is NaN.
     #[inline(always)]
     pub(super) fn reduce_min(self, simd: S) -> f64 {

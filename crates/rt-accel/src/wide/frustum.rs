@@ -17,15 +17,19 @@
 //! Algorithm", 2005. See also Wald, Boulos and Shirley, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume
 //! Hierarchies", 2007.
 
-use rt_math::{Aabb, DVec3, Interval, Ray};
+use rt_math::{Aabb, DVec3};
 
 use super::WideBvh;
-use super::coherence::signs;
-use super::f64x8::F64x8;
+use super::coherence::{are_in_octant, first_octant};
+use super::f64x8::{F64x8, PACKET};
 use super::node::Row;
 use super::ray::{FARTHEST, RANGE, SLACK, STEEPEST, round_down, round_up};
 use super::simd::Simd;
+use super::stream_rays::StreamRays;
 use crate::bvh::Aabb32;
+
+/// Most rays that are culled with one frustum.
+const BUNDLE_SIZE: usize = 64;
 
 /// Padding of primitives is less than this part of the distance of the tree's centre from the origin.
 const OF_OFFSET: f32 = 1.0 / (1u64 << 38) as f32;
@@ -43,27 +47,68 @@ pub(super) struct BundleFrustum<S: Simd> {
     offset: f32,
 }
 
+/// Range of a number of some rays.
+struct NumberRange {
+    low: f64,
+    high: f64,
+    /// Sum over the rays; not finite if any number is not.
+    sum: f64,
+}
+
+/// Range of the numbers of `n` rays, a multiple of eight.
+#[inline(always)]
+fn range<S: Simd>(simd: S, n: usize, numbers: impl Fn(usize) -> F64x8<S>) -> NumberRange {
+    let (mut low, mut high) = (F64x8::splat(simd, f64::INFINITY), F64x8::splat(simd, f64::NEG_INFINITY));
+    let mut sum = F64x8::splat(simd, 0.0);
+    for at in (0..n).step_by(PACKET) {
+        let numbers = numbers(at);
+        // A comparison with NaN keeps the earlier number.
+        (low, high) = (numbers.min(simd, low), numbers.max(simd, high));
+        sum = sum.add(simd, numbers);
+    }
+    NumberRange { low: low.reduce_min(simd), high: high.reduce_max(simd), sum: sum.reduce_sum(simd) }
+}
+
 impl<S: Simd> BundleFrustum<S> {
-    /// Encloses rays of the same [`signs`]. `None` where the proof does not apply.
+    /// Encloses the packets of a batch from one on, as far as their rays are in its octant. Returns the number of rays as well. `None` for
+    /// fewer than two packets, or where the proof does not apply.
     #[inline(always)]
-    pub(super) fn enclosing(simd: S, tree: &WideBvh, rays: &[(Ray, Interval)]) -> Option<Self> {
-        let (first, _) = rays.first()?;
-        let signs = signs(first.direction);
-        // Reduce origin, direction and span together. A comparison with NaN keeps the earlier number.
-        let (mut low, mut high) = (F64x8::splat(simd, f64::INFINITY), F64x8::splat(simd, f64::NEG_INFINITY));
-        let (mut sum, zero) = (F64x8::splat(simd, 0.0), F64x8::splat(simd, 0.0));
-        for (Ray { origin: o, direction: d, .. }, span) in rays {
-            let numbers = F64x8::new(simd, [o.x, o.y, o.z, d.x, d.y, d.z, span.min, span.max]);
-            (low, high) = (numbers.min(simd, low), numbers.max(simd, high));
-            // NaN if anything is not finite.
-            sum = sum.add(simd, numbers.mul(simd, zero));
+    pub(super) fn enclosing(simd: S, tree: &WideBvh, rays: StreamRays<'_>, first: usize) -> Option<(Self, usize)> {
+        let octant = first_octant(simd, rays.directions(simd, first));
+        let mut n = 0;
+        while n + PACKET <= BUNDLE_SIZE
+            && first + n + PACKET <= rays.len()
+            && are_in_octant(simd, rays.directions(simd, first + n), octant)
+        {
+            n += PACKET;
         }
-        let [x, y, z, u, v, w, _, _] = sum.to_array(simd);
-        let is_finite = x + y + z + u + v + w == 0.0;
-        let [x, y, z, u, v, w, begin, _] = low.to_array(simd);
-        let (low, slow) = (DVec3::new(x, y, z), DVec3::new(u, v, w));
-        let [x, y, z, u, v, w, _, end] = high.to_array(simd);
-        let (high, fast, end) = (DVec3::new(x, y, z), DVec3::new(u, v, w), end.max(0.0));
+        if n < 2 * PACKET {
+            return None;
+        }
+        macro_rules! range {
+            ($numbers:ident[$axis:literal]) => {
+                range(
+                    simd,
+                    n,
+                    #[inline(always)]
+                    |at| rays.numbers(simd, first + at, |rays| &rays.$numbers[$axis]),
+                )
+            };
+            ($end:ident) => {
+                range(
+                    simd,
+                    n,
+                    #[inline(always)]
+                    |at| rays.numbers(simd, first + at, |rays| &rays.$end),
+                )
+            };
+        }
+        let [x, y, z] = [range!(origin[0]), range!(origin[1]), range!(origin[2])];
+        let [u, v, w] = [range!(direction[0]), range!(direction[1]), range!(direction[2])];
+        let is_finite = (x.sum + y.sum + z.sum + u.sum + v.sum + w.sum) * 0.0 == 0.0;
+        let (low, high) = (DVec3::new(x.low, y.low, z.low), DVec3::new(x.high, y.high, z.high));
+        let (slow, fast) = (DVec3::new(u.low, v.low, w.low), DVec3::new(u.high, v.high, w.high));
+        let (begin, end) = (range!(min).low, range!(max).high.max(0.0));
         // The directions have equal signs.
         let (slowest, fastest) = (slow.abs().min(fast.abs()), slow.abs().max(fast.abs()));
         let (low, high) = (low - tree.centre, high - tree.centre);
@@ -85,21 +130,20 @@ impl<S: Simd> BundleFrustum<S> {
             near_scale: [simd.splat(0.0); 3],
             far_origin: [simd.splat(0.0); 3],
             far_scale: [simd.splat(0.0); 3],
-            near_row: Row::near([0, 1, 2].map(|axis| (signs >> axis & 1) as usize)),
+            near_row: Row::near(octant.map(usize::from)),
             min: simd.splat(round_down(begin)),
             max: simd.splat(round_up(end)),
             offset: round_up(tree.centre.abs().max_element()),
         };
         for axis in 0..3 {
-            let is_negative = signs >> axis & 1 != 0;
             let (low, high) = (outline.min[axis], outline.max[axis]);
-            let (near, far, sign) = if is_negative { (low, high, -1.0) } else { (high, low, 1.0) };
+            let (near, far, sign) = if octant[axis] { (low, high, -1.0) } else { (high, low, 1.0) };
             this.near_origin[axis] = simd.splat(near);
             this.far_origin[axis] = simd.splat(far);
             this.near_scale[axis] = simd.splat((sign * min_scale[axis]) as f32);
             this.far_scale[axis] = simd.splat((sign * max_scale[axis]) as f32);
         }
-        Some(this)
+        Some((this, n))
     }
 
     /// Widening of boxes made of a leaf's numbers, so that they contain the padded bounds. `max` is the largest of these

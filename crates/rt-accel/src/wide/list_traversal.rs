@@ -1,4 +1,4 @@
-//! Batches of rays of any directions against all triangles of a small tree.
+//! Streams of rays of any directions against all triangles of a small tree.
 //!
 //! The filter leaves for each ray the three triangles that it may hit first. Most rays start on one of them and leave it. The
 //! first of the others is intersected exactly, eight rays with a triangle each. That is the result if all others are
@@ -7,19 +7,18 @@
 //! Two halves of a quadrilateral share most of the filter. They give one key, that of the half that the ray may hit. A ray that may hit
 //! both stays open.
 
-use rt_geometry::{Hit, HitStream, RayStream, STREAM_CAPACITY};
+use rt_geometry::{Hit, HitStream, RayStream};
 use rt_math::float::UNIT_ROUNDOFF;
-use rt_math::{Interval, Ray};
 
 use super::WideBvh;
-use super::batch::BatchContext;
+use super::coherence::{are_coherent, are_in_octant, first_octant};
 use super::f64x8::{F64x8, PACKET};
 use super::list_filter::FilterRays;
-use super::packet::SWITCH_THRESHOLD;
 use super::packet_triangles::intersect_each;
 use super::query::Output;
-use super::ray_soa::{PacketHit, RaySoa8, pad_to_packet};
+use super::ray_soa::{PacketHit, RaySoa8};
 use super::simd::{DetectedSimd, Simd, WithSimd, take_lane};
+use super::stream_rays::N_PACKETS;
 use super::triangle_list::{ListOther, ListTriangle, MAX_TRIANGLES, NORMAL_ERROR, TriangleList};
 
 /// Last bits of a key: the number of a triangle. The others are those of a lower bound of `t`.
@@ -30,41 +29,6 @@ const HEIGHT_ERROR: f64 = 4.0 * UNIT_ROUNDOFF + NORMAL_ERROR;
 
 /// Moves the planes of boxes apart by a little more than the roundings of [`Aabb::clip`](rt_math::Aabb::clip).
 const BOX_SLACK: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// Most rays of a traversal.
-pub(super) const LIST_BATCH: usize = 64;
-
-/// Traces at most [`LIST_BATCH`] rays through the list of a tree.
-pub(super) struct TriangleListTraversal<'q, 'j, O> {
-    pub(super) tree: &'q WideBvh,
-    pub(super) list: &'q TriangleList,
-    pub(super) context: &'q mut BatchContext<'j, O>,
-    /// Receives a bit for each ray without a result.
-    pub(super) open: &'q mut u64,
-}
-
-impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for TriangleListTraversal<'_, '_, O> {
-    #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
-        *self.open = 0;
-        let mut first = 0;
-        for (rays, outputs) in rays.chunks(PACKET).zip(outputs.chunks_mut(PACKET)) {
-            let all = (1 << rays.len()) - 1;
-            let padded;
-            let packet = if let Ok(packet) = rays.try_into() {
-                Some(packet)
-            } else if rays.len() <= SWITCH_THRESHOLD as usize {
-                None
-            } else {
-                padded = pad_to_packet(rays);
-                Some(&padded)
-            };
-            let open = if let Some(packet) = packet { self.trace(simd, packet, outputs) } else { all };
-            *self.open |= u64::from(open & all) << (first & 63);
-            first += PACKET;
-        }
-    }
-}
 
 /// The three first triangles of each ray by their keys, infinite for none.
 struct NearestTriangles<S: Simd> {
@@ -318,20 +282,31 @@ fn find<'l, S: Simd, O: Output>(
     ListHits { hit: hit & all & !open, open, exact }
 }
 
-/// Traces a stream through the list of a tree. A ray that may hit a primitive that is no triangle has no result.
+/// Traces the incoherent packets of a stream through the list of a tree. A ray that may hit a primitive that is no triangle has no
+/// result.
 pub(super) struct ListStream<'q> {
     pub(super) tree: &'q WideBvh,
     pub(super) list: &'q TriangleList,
     /// Receives a bit for each ray without a result, by packet.
-    pub(super) open: &'q mut [u8; STREAM_CAPACITY / PACKET],
+    pub(super) open: &'q mut [u8; N_PACKETS],
+    /// Receives a bit for each coherent packet. Its rays have no result.
+    pub(super) coherent: &'q mut u32,
 }
 
 impl ListStream<'_> {
     #[inline(always)]
     fn trace<S: Simd, O: Output>(self, simd: S, rays: &RayStream, mut write: impl FnMut(usize, ListHits<'_, S>)) {
-        for (at, open) in (0..rays.len()).step_by(PACKET).zip(self.open) {
-            let all = (1 << (rays.len() - at).min(PACKET)) - 1;
+        for (packet, open) in self.open.iter_mut().enumerate().take(rays.len().div_ceil(PACKET)) {
+            let at = packet * PACKET;
+            let n = (rays.len() - at).min(PACKET);
+            let all = (1 << n) - 1;
             let soa = RaySoa8::load(simd, rays, at, true);
+            // Rays of any directions are rarely in one octant, so that this branch is predicted.
+            let octant = first_octant(simd, soa.direction);
+            if n == PACKET && are_in_octant(simd, soa.direction, octant) && are_coherent(simd, soa.direction, PACKET) {
+                *self.coherent |= 1 << packet;
+                continue;
+            }
             let mut hits = find::<S, O>(simd, self.tree, self.list, &soa, all);
             for other in &self.list.others {
                 if !O::ANY_HIT || other.casts_shadow {
@@ -346,18 +321,23 @@ impl ListStream<'_> {
     }
 }
 
-impl ListStream<'_> {
-    /// Finds the closest hits. False if kernels for lists are not compiled for this level. Compiled here, and not in every crate that
-    /// traces rays.
-    #[inline(never)]
-    pub(super) fn closest(self, level: DetectedSimd, rays: &RayStream, hits: &mut HitStream) -> bool {
-        level.dispatch_lists(self, rays, hits)
-    }
+/// Queries of a list. Compiled here, and not in every crate that traces rays.
+pub(super) trait ListQuery: Output {
+    /// Traces a stream. False, without a result, if kernels for lists are not compiled for this level.
+    fn trace_list(list: ListStream<'_>, level: DetectedSimd, rays: &RayStream, outputs: &mut Self::OfStream) -> bool;
+}
 
-    /// Version of [`closest`](Self::closest) for any hits.
+impl ListQuery for Option<Hit> {
     #[inline(never)]
-    pub(super) fn occluded(self, level: DetectedSimd, rays: &RayStream, occluded: &mut [bool]) -> bool {
-        level.dispatch_lists(self, rays, occluded)
+    fn trace_list(list: ListStream<'_>, level: DetectedSimd, rays: &RayStream, hits: &mut HitStream) -> bool {
+        level.dispatch_lists(list, rays, hits)
+    }
+}
+
+impl ListQuery for bool {
+    #[inline(never)]
+    fn trace_list(list: ListStream<'_>, level: DetectedSimd, rays: &RayStream, occluded: &mut [bool]) -> bool {
+        level.dispatch_lists(list, rays, occluded)
     }
 }
 
@@ -400,66 +380,5 @@ impl WithSimd<&RayStream, &mut [bool]> for ListStream<'_> {
                 }
             },
         );
-    }
-}
-
-impl<O: Output> TriangleListTraversal<'_, '_, O> {
-    /// Traces as many of eight rays as there are outputs; returns a bit for each without a result.
-    #[inline(always)]
-    fn trace<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) -> u32 {
-        let n = outputs.len().min(PACKET);
-        let all = (1 << n) - 1;
-        let soa = RaySoa8::new(simd, rays);
-        let ListHits { hit, open, exact } = find::<S, O>(simd, self.tree, self.list, &soa, all);
-        if open == all {
-            return all;
-        }
-        let mut active = all & !open;
-        if O::ANY_HIT {
-            for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
-                *output = if hit >> lane & 1 != 0 { O::HIT } else { O::default() };
-            }
-            active &= !hit;
-        } else {
-            let exact = exact.map(|ExactHits { triangles, t, uv: [v, w] }| {
-                (triangles, t.to_array(simd), v.to_array(simd), w.to_array(simd))
-            });
-            for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
-                *output = match &exact {
-                    Some((of_rays, t, v, w)) if hit >> lane & 1 != 0 => {
-                        let primitive = of_rays[lane].index;
-                        O::from_hit(Some(Hit { t: t[lane], instance: 0, primitive, uv: [v[lane], w[lane]] }))
-                    }
-                    _ => O::default(),
-                };
-            }
-        }
-        self.test_others(simd, rays, &soa, outputs, active);
-        open
-    }
-
-    /// Tests the primitives that are no triangles with the rays of a mask.
-    #[inline(always)]
-    fn test_others<S: Simd>(
-        &mut self,
-        simd: S,
-        rays: &[(Ray, Interval); PACKET],
-        soa: &RaySoa8<S>,
-        outputs: &mut [O],
-        mask: u32,
-    ) {
-        for other in &self.list.others {
-            if mask == 0 || O::ANY_HIT && !other.casts_shadow {
-                continue;
-            }
-            let (mut possible, _) = other.crossed(simd, soa, mask);
-            while possible != 0 {
-                let lane = take_lane(&mut possible);
-                let (ray, span) = &rays[lane];
-                let Some(output) = outputs.get_mut(lane).filter(|output| !output.is_final()) else { continue };
-                let span = Interval { max: output.t_max(span.max), ..*span };
-                output.merge(self.context.tester.test(other.index, ray, span));
-            }
-        }
     }
 }

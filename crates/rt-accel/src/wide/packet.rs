@@ -10,7 +10,7 @@
 use core::mem::MaybeUninit;
 
 use rt_geometry::BatchKernel;
-use rt_math::{Interval, Ray};
+use rt_math::Interval;
 
 use super::WideBvh;
 use super::entry_points::EntryPoints;
@@ -27,6 +27,7 @@ use super::ray_packet::RayPacket;
 use super::simd::{Simd, take_lane};
 use super::single_ray::traverse;
 use super::stack::{STACK, StackStorage};
+use super::stream_rays::PacketRays;
 
 /// At most this many active rays continue one by one.
 pub(super) const SWITCH_THRESHOLD: u32 = 2;
@@ -97,15 +98,9 @@ struct SingleRays<'r, S: Simd, F> {
 impl<'r, S: Simd, F: LeafTest> SingleRays<'r, S, F> {
     /// `None` where the proofs of the filters do not apply.
     #[inline(always)]
-    fn get(
-        &mut self,
-        simd: S,
-        tree: &WideBvh,
-        rays: &'r [(Ray, Interval); PACKET],
-        lane: usize,
-    ) -> Option<&TravRay<'r, S, F>> {
+    fn get(&mut self, simd: S, tree: &WideBvh, rays: PacketRays<'r>, lane: usize) -> Option<&TravRay<'r, S, F>> {
         if self.mask >> lane & 1 == 0 {
-            let (ray, span) = &rays[lane];
+            let (ray, span) = rays.get(lane);
             self.prepared[lane].write(TravRay::new(simd, tree, ray, *span)?);
             self.mask |= 1 << lane;
         }
@@ -169,7 +164,7 @@ fn intersect_boxes<S: Simd, const SAME_OCTANT: bool>(
 
 /// A coherent packet as the tests of boxes and primitives read it.
 struct PacketView<'r, 'p, S: Simd, F: LeafTest> {
-    rays: &'r [(Ray, Interval); PACKET],
+    rays: PacketRays<'r>,
     packet: &'p RayPacket<S>,
     leaf_rays: &'p F::Packet<S>,
 }
@@ -191,13 +186,10 @@ pub(super) struct PacketTraversal<'q, 'j, S: Simd, O> {
 impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
     /// Traces the first `n` of eight coherent rays; false if the proofs do not apply to all eight.
     #[inline(always)]
-    pub(super) fn trace<F: LeafTest>(
-        &mut self,
-        n: usize,
-        rays: &[(Ray, Interval); PACKET],
-        outputs: &mut [O; PACKET],
-    ) -> bool {
-        let Some(packet) = RayPacket::new(self.simd, self.tree, rays) else { return false };
+    pub(super) fn trace<F: LeafTest>(&mut self, n: usize, rays: PacketRays<'_>, outputs: &mut [O; PACKET]) -> bool {
+        let Some(packet) = RayPacket::new(self.simd, self.tree, rays.soa(self.simd)) else {
+            return false;
+        };
         let leaf_rays = F::packet(self.simd, &packet, self.tree);
         let mut t_max = packet.t_max;
         for lane in n..PACKET {
@@ -205,7 +197,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         }
         let mut results = Results::<S, O>::empty(self.simd);
         if !self.tree.unbounded.is_empty() {
-            for (lane, (ray, span)) in rays.iter().enumerate().take(n) {
+            for (lane, (ray, span)) in rays.all().iter().enumerate().take(n) {
                 let state = results.state(lane, *span);
                 let _ = state.test_unbounded(self.tree, self.tester, ray);
                 t_max = self.simd.insert(t_max, lane, state.t_max());
@@ -224,7 +216,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         let mut single = results.mask;
         while single != 0 {
             let lane = take_lane(&mut single);
-            let (ray, span) = &rays[lane];
+            let (ray, span) = rays.get(lane);
             let state = results.state(lane, *span);
             state.merge(outputs[lane]);
             if self.occluder.is_none() {
@@ -319,7 +311,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                 let ends = simd.to_array(t_max);
                 while mask != 0 {
                     let lane = take_lane(&mut mask);
-                    let state = results.state_until(lane, view.rays[lane].1, ends[lane]);
+                    let state = results.state_until(lane, view.rays.get(lane).1, ends[lane]);
                     match single_rays.get(simd, self.tree, view.rays, lane) {
                         Some(trav) => {
                             let (stack, stats) = (&mut *self.single_stack, &mut *self.stats);
@@ -337,7 +329,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                                 )
                             };
                         }
-                        None => state.traverse_f64(self.tree, self.tester, &view.rays[lane].0),
+                        None => state.traverse_f64(self.tree, self.tester, &view.rays.get(lane).0),
                     }
                     t_max = simd.insert(t_max, lane, state.t_max());
                 }
@@ -439,7 +431,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
             while possible != 0 {
                 let at = take_lane(&mut possible);
                 let certain = (bounds.certain >> at & 1 != 0).then_some([near[at], far[at]]);
-                let (ray, span) = &view.rays[at];
+                let (ray, span) = view.rays.get(at);
                 let state = results.state_until(at, *span, ends[at]);
                 // SAFETY: as the caller promises.
                 unsafe { state.intersect_candidate::<S, F>(simd, self.tree, self.tester, ray, slot, certain) };
@@ -457,7 +449,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         &self,
         kernel: &BatchKernel,
         (slot, mask): (PrimSlot, u32),
-        rays: &[(Ray, Interval); PACKET],
+        rays: PacketRays<'_>,
         results: &mut Results<S, O>,
         t_max: &mut S::F32x8,
     ) -> u32 {
@@ -476,12 +468,13 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
     fn intersect_instance(
         &mut self,
         index: u32,
-        rays: &[(Ray, Interval); PACKET],
+        rays: PacketRays<'_>,
         mut mask: u32,
         results: &mut Results<S, O>,
         mut t_max: S::F32x8,
     ) -> S::F32x8 {
         let n = mask.count_ones() as usize;
+        let rays = rays.all();
         let (mut batch, mut lanes, mut outputs) = (*rays, [0; PACKET], [O::default(); PACKET]);
         for at in 0..n {
             let lane = take_lane(&mut mask);

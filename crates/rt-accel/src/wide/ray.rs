@@ -110,17 +110,6 @@ impl<S: Simd> SlabCoeffs<S> {
     }
 }
 
-/// True if the proofs apply. `fastest` is the maximum component of the direction, and `farthest` the distance of the
-/// origin from the centre of the tree. `nothing` is 0 unless anything is not finite, and `size` is that of the tree.
-#[inline(always)]
-pub(super) fn filter_applies(fastest: f64, farthest: f64, nothing: f64, span: Interval, size: f64) -> bool {
-    RANGE.contains(&fastest)
-        & RANGE.contains(&size)
-        & (farthest <= FARTHEST * size)
-        & (span.min >= 0.0)
-        & (nothing == 0.0)
-}
-
 /// Minimum of the first three, none of which is NaN.
 #[inline(always)]
 fn min_lane<S: Simd>(simd: S, a: S::F64x4) -> f64 {

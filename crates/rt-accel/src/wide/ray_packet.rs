@@ -1,12 +1,10 @@
 //! Coherent packets of eight rays, prepared for filters.
 
-use rt_geometry::WatertightRay;
-use rt_math::{Interval, Ray};
-
 use super::WideBvh;
-use super::f64x8::{F64x8, PACKET, max_abs, relative};
+use super::f64x8::{F64x8, max_abs, relative};
 use super::packet_slabs::{PacketSides, PacketSlabs};
-use super::ray::{RANGE, STEEPEST, filter_applies};
+use super::ray::{FARTHEST, RANGE, STEEPEST};
+use super::ray_f64::AXES;
 use super::ray_soa::RaySoa8;
 use super::simd::Simd;
 use super::t_range::SpanLanes;
@@ -14,7 +12,7 @@ use super::t_range::SpanLanes;
 /// A coherent packet of eight rays.
 pub(super) struct RayPacket<S: Simd> {
     pub(super) soa: RaySoa8<S>,
-    /// Axes in the order x, y, z of the first ray's space; see [`WatertightRay`].
+    /// Axes in the order x, y, z of the first ray's space; see [`WatertightRay`](rt_geometry::WatertightRay).
     pub(super) axes: [usize; 3],
     /// A bit for each ray with the same axes.
     pub(super) same_axis_mask: u32,
@@ -25,10 +23,9 @@ pub(super) struct RayPacket<S: Simd> {
 }
 
 impl<S: Simd> RayPacket<S> {
-    /// Prepares rays for which [`is_coherent`] holds; `None` where the proofs of the filters do not apply.
+    /// Prepares coherent rays; `None` where the proofs of the filters do not apply.
     #[inline(always)]
-    pub(super) fn new(simd: S, tree: &WideBvh, rays: &[(Ray, Interval); PACKET]) -> Option<Self> {
-        let soa = RaySoa8::new(simd, rays);
+    pub(super) fn new(simd: S, tree: &WideBvh, soa: RaySoa8<S>) -> Option<Self> {
         let RaySoa8 { origin, direction, inverse, min, max } = soa;
         let span = SpanLanes { min: [min.round_down(simd), min.round_up(simd)], max: max.round_down(simd) };
         let t_max = max.round_up(simd);
@@ -38,21 +35,22 @@ impl<S: Simd> RayPacket<S> {
         // NaN if anything is not finite.
         let sum = q[0].add(simd, q[1]).add(simd, q[2]).add(simd, min);
         let sum = sum.add(simd, direction[0]).add(simd, direction[1]).add(simd, direction[2]);
-        let zero = sum.mul(simd, F64x8::splat(simd, 0.0)).reduce_sum(simd);
-        let farthest = max_abs(simd, q).reduce_max(simd);
-        let begin = Interval { min: min.reduce_min(simd), max: f64::INFINITY };
-        let is_all_proven = filter_applies(fastest.reduce_min(simd), farthest, zero, begin, tree.size)
-            & RANGE.contains(&fastest.reduce_max(simd));
-        if !is_all_proven {
+        let (zero, all) = (F64x8::splat(simd, 0.0), 0xff);
+        let is_proven = sum.mul(simd, zero).le(simd, zero)
+            & zero.le(simd, min)
+            & max_abs(simd, q).le(simd, F64x8::splat(simd, FARTHEST * tree.size))
+            & F64x8::splat(simd, *RANGE.start()).le(simd, fastest)
+            & fastest.le(simd, F64x8::splat(simd, *RANGE.end()));
+        if is_proven != all || !RANGE.contains(&tree.size) {
             return None;
         }
 
-        let (first, _) = &rays[0];
         let steepest = F64x8::splat(simd, STEEPEST).div(simd, fastest);
-        let (axes, _) = WatertightRay::new(first).shear();
         let sides = PacketSides::of(simd, direction);
         let boxes = PacketSlabs::new(simd, q, inverse, steepest, tree.size, sides, span.min[0]);
-        let same_axis_mask = soa.by_steepest_axis(simd)[axes[2] % 3];
+        let by_axis = soa.by_steepest_axis(simd);
+        let axis = if by_axis[0] & 1 != 0 { 0 } else { 2 - (by_axis[1] & 1) as usize };
+        let (axes, same_axis_mask) = (AXES[axis], by_axis[axis]);
         Some(Self { soa, axes, same_axis_mask, span, t_max, boxes })
     }
 
@@ -66,9 +64,10 @@ impl<S: Simd> RayPacket<S> {
 #[cfg(test)]
 mod tests {
     use rt_math::random::{hash, unit};
-    use rt_math::{Aabb, DVec3};
+    use rt_math::{Aabb, DVec3, Interval, Ray};
 
-    use super::super::coherence::is_coherent;
+    use super::super::coherence::are_coherent;
+    use super::super::f64x8::PACKET;
     use super::super::ray::{RayF32, RayF64x4};
     use super::super::simd::{DetectedSimd, SimdLevel, WithSimd};
     use super::*;
@@ -102,7 +101,11 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
             let Self(tree, counts) = self;
-            let Some(across) = RayPacket::new(simd, tree, rays).filter(|_| is_coherent(rays)) else { return };
+            let soa = RaySoa8::new(simd, rays);
+            let Some(across) = RayPacket::new(simd, tree, soa).filter(|_| are_coherent(simd, soa.direction, PACKET))
+            else {
+                return;
+            };
             // SAFETY: the root of a tree is one of its nodes.
             let node = unsafe { tree.node(tree.root) };
             let is_same_octant = across.boxes.is_same_octant();
@@ -145,11 +148,13 @@ mod tests {
     impl WithSimd<&[(Ray, Interval); PACKET], ()> for Refused<'_> {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval); PACKET], (): ()) {
-            *self.1 = RayPacket::new(simd, self.0, rays).is_none();
+            let soa = RaySoa8::new(simd, rays);
+            assert!(are_coherent(simd, soa.direction, PACKET), "{rays:?}");
+            *self.1 = RayPacket::new(simd, self.0, soa).is_none();
         }
     }
 
-    /// Products of such directions pass [`is_coherent`].
+    /// Products of such directions pass [`are_coherent`].
     #[test]
     fn directions_out_of_range_are_rejected() {
         let tree = WideBvh::build(&Boxes(&[Aabb::from_points([DVec3::ZERO, DVec3::ONE])])).expect("one box");
@@ -158,7 +163,6 @@ mod tests {
             rays[3].0.direction = other;
             let mut refused = false;
             DetectedSimd::new(level).dispatch(Refused(&tree, &mut refused), &rays, ());
-            assert!(is_coherent(&rays), "{first}, {other}");
             refused
         };
         let plain = DVec3::new(0.01, -0.02, -3.0);

@@ -9,6 +9,25 @@ use super::simd::Simd;
 /// Padding of boxes that lie within padded bounds, relative to their maximum coordinate.
 pub(super) const INNER_PAD: f64 = 0.5 * BOUNDS_PADDING;
 
+/// A number of each of eight rays. Not by loops over arrays, which would be cleared first.
+macro_rules! by_ray {
+    ($simd:expr, $rays:expr, |$ray:pat_param, $span:pat_param| $number:expr) => {{
+        let [a, b, c, d, e, f, g, h] = $rays;
+        let number = |&($ray, $span): &(Ray, Interval)| $number;
+        F64x8::new($simd, [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)])
+    }};
+}
+
+/// Directions of eight rays.
+#[inline(always)]
+pub(super) fn directions<S: Simd>(simd: S, rays: &[(Ray, Interval); PACKET]) -> [F64x8<S>; 3] {
+    [
+        by_ray!(simd, rays, |ray, _| ray.direction.x),
+        by_ray!(simd, rays, |ray, _| ray.direction.y),
+        by_ray!(simd, rays, |ray, _| ray.direction.z),
+    ]
+}
+
 /// Eight rays of any directions.
 #[derive(Clone, Copy)]
 pub(super) struct RaySoa8<S: Simd> {
@@ -23,25 +42,17 @@ pub(super) struct RaySoa8<S: Simd> {
 impl<S: Simd> RaySoa8<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &[(Ray, Interval); PACKET]) -> Self {
-        // Not by loops over arrays, which would be cleared first.
-        macro_rules! by_ray {
-            (|$ray:pat_param, $span:pat_param| $number:expr) => {{
-                let [a, b, c, d, e, f, g, h] = rays;
-                let number = |&($ray, $span): &(Ray, Interval)| $number;
-                F64x8::new(
-                    simd,
-                    [number(a), number(b), number(c), number(d), number(e), number(f), number(g), number(h)],
-                )
-            }};
-        }
-        let direction =
-            [by_ray!(|ray, _| ray.direction.x), by_ray!(|ray, _| ray.direction.y), by_ray!(|ray, _| ray.direction.z)];
+        let direction = directions(simd, rays);
         Self {
-            origin: [by_ray!(|ray, _| ray.origin.x), by_ray!(|ray, _| ray.origin.y), by_ray!(|ray, _| ray.origin.z)],
+            origin: [
+                by_ray!(simd, rays, |ray, _| ray.origin.x),
+                by_ray!(simd, rays, |ray, _| ray.origin.y),
+                by_ray!(simd, rays, |ray, _| ray.origin.z),
+            ],
             direction,
             inverse: inverse(simd, direction),
-            min: by_ray!(|_, span| span.min),
-            max: by_ray!(|_, span| span.max),
+            min: by_ray!(simd, rays, |_, span| span.min),
+            max: by_ray!(simd, rays, |_, span| span.max),
         }
     }
 
@@ -159,14 +170,4 @@ pub(super) struct PacketHit<S: Simd> {
     pub(super) t: F64x8<S>,
     /// See [`Hit::uv`](rt_geometry::Hit).
     pub(super) uv: [F64x8<S>; 2],
-}
-
-/// Pads one to eight rays to a packet with copies of the first.
-#[inline(always)]
-pub(super) fn pad_to_packet(rays: &[(Ray, Interval)]) -> [(Ray, Interval); PACKET] {
-    let mut lanes = [rays[0]; PACKET];
-    for (lane, ray) in lanes.iter_mut().zip(rays) {
-        *lane = *ray;
-    }
-    lanes
 }

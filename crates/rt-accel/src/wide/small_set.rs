@@ -10,15 +10,13 @@ use rt_math::{Aabb, Interval, Ray};
 use self::entry::SetEntry;
 use self::results::SetResults;
 use super::f64x8::{F64x8, PACKET};
-use super::packet::SWITCH_THRESHOLD;
 use super::packet_spheres::SpherePacket;
 use super::query::{Output, PrimitiveTester, Tester, TraversalStats};
-use super::ray_soa::{RaySoa8, pad_to_packet};
+use super::ray_soa::RaySoa8;
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
+use super::stream_buffers::{closest_in_streams, occluded_in_streams};
+use super::stream_rays::N_PACKETS;
 use super::{packet_planes, packet_triangles};
-
-/// Rays that an instance is traced with at once. Bounds the memory for copies of rays.
-const INSTANCE_BATCH: usize = 1024;
 
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
@@ -81,72 +79,18 @@ impl SmallSet {
         buffer.get(..self.len).unwrap_or(&[])
     }
 
-    /// Traces a stream. Returns false, without any result, for a set with instances, and at levels without packets.
+    /// Traces a stream.
     fn trace_stream<O: SetQuery, P: Primitives, S: Probe>(
         &self,
         primitives: &P,
-        (rays, output): (&RayStream, StreamOutput<'_>),
-        probe: &mut S,
-    ) -> bool
-    where
-        for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
-    {
-        let mut buffer = [SetEntry::NONE; Self::CAPACITY];
-        let entries = self.entries(primitives, &mut buffer);
-        if entries.iter().any(SetEntry::is_instance) {
-            return false;
-        }
-        let mut tester = Tester { primitives, probe };
-        let stats = TraversalStats::default();
-        let mut batch = Batch { entries, indices: self.indices(), is_first: true, tester: &mut tester, stats };
-        let is_traced = O::trace_stream(self.level, &mut batch, rays, output);
-        batch.stats.add_to(tester.probe);
-        is_traced
-    }
-
-    /// Version of [`closest_batch`](Self::closest_batch) for a stream. Returns false, without any result,
-    /// for a set with instances, and at levels without packets.
-    #[must_use]
-    pub fn closest_stream<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
         rays: &RayStream,
-        hits: &mut HitStream,
-        probe: &mut S,
-    ) -> bool {
-        self.trace_stream::<Option<Hit>, _, _>(primitives, (rays, StreamOutput::Closest(hits)), probe)
-    }
-
-    /// Version of [`occluded_batch`](Self::occluded_batch) for a stream. Returns false as
-    /// [`closest_stream`](Self::closest_stream) does.
-    #[must_use]
-    pub fn occluded_stream<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &RayStream,
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) -> bool {
-        self.trace_stream::<bool, _, _>(primitives, (rays, StreamOutput::Occluded(occluded)), probe)
-    }
-
-    /// Traces a batch.
-    fn trace_batch<O: SetQuery, P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        outputs: &mut [O],
+        outputs: &mut O::OfStream,
         probe: &mut S,
     ) where
         for<'a> Tester<'a, P, S>: PrimitiveTester<O>,
     {
-        let n = rays.len().min(outputs.len());
-        let (rays, outputs) = (rays.get(..n).unwrap_or(&[]), outputs.get_mut(..n).unwrap_or(&mut []));
         let mut buffer = [SetEntry::NONE; Self::CAPACITY];
         let entries = self.entries(primitives, &mut buffer);
-        if entries.is_empty() {
-            outputs.fill(O::default());
-        }
         let mut tester = Tester { primitives, probe };
         let stats = TraversalStats::default();
         let mut batch = Batch { entries, indices: &[], is_first: true, tester: &mut tester, stats };
@@ -157,8 +101,8 @@ impl SmallSet {
             match entries {
                 [entry] if entry.is_instance() => batch.trace_instance(self.level, entry, rays, outputs),
                 _ => {
-                    let is_traced = entries.iter().any(SetEntry::has_kernel)
-                        && O::trace_batch(self.level, &mut batch, rays, outputs);
+                    let is_traced =
+                        entries.iter().any(SetEntry::has_kernel) && O::trace(self.level, &mut batch, rays, outputs);
                     if !is_traced {
                         batch.trace_singly(rays, outputs);
                     }
@@ -166,11 +110,14 @@ impl SmallSet {
             }
             batch.is_first = false;
         }
+        if batch.is_first {
+            (0..rays.len()).for_each(|at| O::default().write(outputs, at));
+        }
         batch.stats.add_to(tester.probe);
     }
 }
 
-/// Traces a batch through consecutive entries.
+/// Traces a stream through consecutive entries.
 struct Batch<'a, O> {
     entries: &'a [SetEntry],
     indices: &'a [u32],
@@ -181,108 +128,62 @@ struct Batch<'a, O> {
     stats: TraversalStats,
 }
 
-impl<O: Output> WithSimd<&[(Ray, Interval)], &mut [O]> for &mut Batch<'_, O> {
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], outputs: &mut [O]) {
-        for (rays, outputs) in rays.chunks(PACKET).zip(outputs.chunks_mut(PACKET)) {
-            let padded;
-            let packet = if let Ok(packet) = rays.try_into() {
-                packet
-            } else if rays.len() <= SWITCH_THRESHOLD as usize {
-                self.trace_singly(rays, outputs);
-                continue;
-            } else {
-                padded = pad_to_packet(rays);
-                &padded
-            };
-            self.trace_packet(simd, packet, outputs);
-        }
-    }
-}
-
 impl<O: Output> Batch<'_, O> {
     /// Traces each ray by itself.
-    fn trace_singly(&mut self, rays: &[(Ray, Interval)], outputs: &mut [O]) {
-        for ((ray, span), output) in rays.iter().zip(outputs) {
-            self.trace(ray, *span, output);
+    fn trace_singly(&mut self, rays: &RayStream, outputs: &mut O::OfStream) {
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            let output = if self.is_first {
+                self.tester.test_all(self.indices, &ray, span)
+            } else {
+                self.trace_further(&ray, span, O::read(outputs, at))
+            };
+            output.write(outputs, at);
         }
     }
 
-    /// Traces one ray.
-    fn trace(&mut self, ray: &Ray, span: Interval, output: &mut O) {
-        if self.is_first {
-            *output = self.tester.test_all(self.indices, ray, span);
-            return;
-        }
+    /// Traces one ray whose result for earlier entries is given.
+    fn trace_further(&mut self, ray: &Ray, span: Interval, mut output: O) -> O {
         for entry in self.entries {
             if output.is_final() {
-                return;
+                break;
             }
             self.stats.tests += 1;
             let span = Interval { max: output.t_max(span.max), ..span };
             output.merge(self.tester.test(entry.index, ray, span));
         }
+        output
     }
 
     /// Traces the rays that may pass the bounds of an instance through it, unless their result is final.
-    fn trace_instance(&mut self, level: DetectedSimd, entry: &SetEntry, rays: &[(Ray, Interval)], outputs: &mut [O]) {
-        if self.is_first {
-            outputs.fill(O::default());
+    fn trace_instance(&mut self, level: DetectedSimd, entry: &SetEntry, rays: &RayStream, outputs: &mut O::OfStream) {
+        let mut passing = [0xff; N_PACKETS];
+        if let Some(bounds) = &entry.bounds {
+            // Without kernels at this level, all rays may pass.
+            let _ = level.dispatch_lists(BoundsTest { bounds }, rays, &mut passing);
         }
-        for (rays, outputs) in rays.chunks(INSTANCE_BATCH).zip(outputs.chunks_mut(INSTANCE_BATCH)) {
-            let mut passing = [0xff; INSTANCE_BATCH / PACKET];
-            if let Some(bounds) = &entry.bounds {
-                // Without kernels at this level, all rays may pass.
-                let _ = level.dispatch_lists(BoundsTest { bounds }, rays, passing.as_mut_slice());
+        let mut active = Vec::with_capacity(rays.len());
+        let mut batch = Vec::with_capacity(rays.len());
+        for at in 0..rays.len() {
+            let output = if self.is_first { O::default() } else { O::read(outputs, at) };
+            if self.is_first {
+                output.write(outputs, at);
+            } else if output.is_final() {
+                continue;
             }
-            let mut active = Vec::with_capacity(rays.len());
-            let mut batch = Vec::with_capacity(rays.len());
-            for (at, ((ray, span), output)) in rays.iter().zip(&*outputs).enumerate() {
-                if output.is_final() {
-                    continue;
-                }
-                self.stats.tests += 1;
-                if passing[at / PACKET] >> (at % PACKET) & 1 == 1 {
-                    active.push(at);
-                    batch.push((*ray, Interval { max: output.t_max(span.max), ..*span }));
-                }
-            }
-            let mut found = vec![O::default(); batch.len()];
-            self.tester.test_batch(entry.index, &batch, &mut found);
-            for (at, found) in active.into_iter().zip(found) {
-                if let Some(output) = outputs.get_mut(at) {
-                    output.merge(found);
-                }
+            self.stats.tests += 1;
+            if passing[at / PACKET] >> (at % PACKET) & 1 == 1 {
+                let (ray, span) = rays.get(at);
+                active.push(at);
+                batch.push((ray, Interval { max: output.t_max(span.max), ..span }));
             }
         }
-    }
-
-    /// Traces as many of eight rays as there are outputs.
-    #[inline(always)]
-    fn trace_packet<S: Simd>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET], outputs: &mut [O]) {
-        let soa = RaySoa8::new(simd, rays);
-        let in_range = soa.in_safe_range(simd) & ((1 << outputs.len().min(PACKET)) - 1);
-        let mut results = SetResults::new(simd, in_range);
-        if !self.is_first {
-            let mut t = [f64::INFINITY; PACKET];
-            for (lane, output) in outputs.iter().enumerate() {
-                results.found |= u32::from(output.to_hit().is_some()) << lane;
-                t[lane & 7] = output.t_max(f64::INFINITY);
-                results.active &= !(u32::from(output.is_final()) << lane);
-            }
-            results.t = F64x8::new(simd, t);
-        }
-        self.test_entries(simd, &soa, |lane| rays[lane & 7], &mut results);
-        let hits = results.hits(simd);
-        for (lane, output) in outputs.iter_mut().enumerate().take(PACKET) {
-            if in_range >> lane & 1 == 0 {
-                let (ray, span) = &rays[lane];
-                self.trace(ray, *span, output);
-            } else if results.hit >> lane & 1 == 1 {
-                *output = O::from_hit(Some(hits[lane]));
-            } else if self.is_first {
-                *output = O::default();
-            }
+        let mut found = vec![O::default(); batch.len()];
+        self.tester.test_batch(entry.index, &batch, &mut found);
+        for (at, found) in active.into_iter().zip(found) {
+            let mut output = O::read(outputs, at);
+            output.merge(found);
+            output.write(outputs, at);
         }
     }
 
@@ -384,14 +285,11 @@ struct BoundsTest<'b> {
     bounds: &'b Aabb,
 }
 
-impl WithSimd<&[(Ray, Interval)], &mut [u8]> for BoundsTest<'_> {
+impl WithSimd<&RayStream, &mut [u8; N_PACKETS]> for BoundsTest<'_> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &[(Ray, Interval)], passing: &mut [u8]) {
-        for (rays, passing) in rays.chunks(PACKET).zip(passing) {
-            let soa = match rays.try_into() {
-                Ok(packet) => RaySoa8::new(simd, packet),
-                Err(_) => RaySoa8::new(simd, &pad_to_packet(rays)),
-            };
+    fn run<S: Simd>(self, simd: S, rays: &RayStream, passing: &mut [u8; N_PACKETS]) {
+        for (at, passing) in (0..rays.len()).step_by(PACKET).zip(passing) {
+            let soa = RaySoa8::load(simd, rays, at, true);
             let may_pass = soa.may_pass(simd, self.bounds, F64x8::splat(simd, f64::INFINITY));
             *passing = (may_pass | !soa.in_safe_range(simd)) as u8;
         }
@@ -403,15 +301,9 @@ struct StreamTraversal<'b, 'a, O> {
     batch: &'b mut Batch<'a, O>,
 }
 
-/// Destination of the results of a stream.
-enum StreamOutput<'h> {
-    Closest(&'h mut HitStream),
-    Occluded(&'h mut [bool]),
-}
-
-impl<O: Output> WithSimd<&RayStream, StreamOutput<'_>> for StreamTraversal<'_, '_, O> {
+impl<O: SetQuery> WithSimd<&RayStream, &mut O::OfStream> for StreamTraversal<'_, '_, O> {
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S, rays: &RayStream, mut output: StreamOutput<'_>) {
+    fn run<S: Simd>(self, simd: S, rays: &RayStream, outputs: &mut O::OfStream) {
         let batch = self.batch;
         let has_inverse = batch.entries.iter().any(SetEntry::needs_inverse);
         for at in (0..rays.len()).step_by(PACKET) {
@@ -419,74 +311,74 @@ impl<O: Output> WithSimd<&RayStream, StreamOutput<'_>> for StreamTraversal<'_, '
             let soa = RaySoa8::load(simd, rays, at, has_inverse);
             let all = (1 << used) - 1;
             let in_range = soa.in_safe_range(simd) & all;
-            let mut results = SetResults::new(simd, in_range);
+            let mut results = if batch.is_first {
+                SetResults::new(simd, in_range)
+            } else {
+                O::read_packet(simd, outputs, at, in_range)
+            };
             batch.test_entries(simd, &soa, |lane| rays.get(at + lane), &mut results);
-            let mut out_of_range = all & !in_range;
+            // Rays that earlier entries occlude are not tested.
+            let mut out_of_range = all & !in_range & if O::ANY_HIT { !results.hit } else { !0 };
             while out_of_range != 0 {
                 let lane = take_lane(&mut out_of_range);
                 batch.trace_entries(simd, &rays.get(at + lane), lane, &mut results);
             }
-            match &mut output {
-                StreamOutput::Closest(hits) => results.write(simd, hits, at),
-                StreamOutput::Occluded(occluded) => {
-                    for (lane, occluded) in occluded.iter_mut().skip(at).take(used).enumerate() {
-                        *occluded = results.hit >> lane & 1 == 1;
-                    }
-                }
-            }
+            O::write_packet(simd, &results, outputs, (at, used));
         }
     }
 }
 
-/// Queries of a set. Compiled once here, and not in every crate that traces rays. False if kernels for lists are not compiled for
-/// this level.
+/// Queries of a set. Compiled once here, and not in every crate that traces rays.
 trait SetQuery: Output {
-    fn trace_batch(
-        level: DetectedSimd,
-        batch: &mut Batch<'_, Self>,
-        rays: &[(Ray, Interval)],
-        outputs: &mut [Self],
-    ) -> bool;
+    /// Traces a stream. False if kernels for lists are not compiled for this level.
+    fn trace(level: DetectedSimd, batch: &mut Batch<'_, Self>, rays: &RayStream, outputs: &mut Self::OfStream) -> bool;
 
-    fn trace_stream(
-        level: DetectedSimd,
-        batch: &mut Batch<'_, Self>,
-        rays: &RayStream,
-        output: StreamOutput<'_>,
-    ) -> bool;
-}
+    /// Reads the results of eight rays from index `at` on, of which those of a mask are traced further.
+    fn read_packet<S: Simd>(simd: S, outputs: &Self::OfStream, at: usize, mask: u32) -> SetResults<S>;
 
-/// Entry points of a query, compiled for a concrete output.
-macro_rules! entry_points {
-    () => {
-        #[inline(never)]
-        fn trace_batch(
-            level: DetectedSimd,
-            batch: &mut Batch<'_, Self>,
-            rays: &[(Ray, Interval)],
-            outputs: &mut [Self],
-        ) -> bool {
-            level.dispatch_lists(batch, rays, outputs)
-        }
-
-        #[inline(never)]
-        fn trace_stream(
-            level: DetectedSimd,
-            batch: &mut Batch<'_, Self>,
-            rays: &RayStream,
-            output: StreamOutput<'_>,
-        ) -> bool {
-            level.dispatch_lists(StreamTraversal { batch }, rays, output)
-        }
-    };
+    /// Writes the results of a number of rays from index `at` on.
+    fn write_packet<S: Simd>(simd: S, results: &SetResults<S>, outputs: &mut Self::OfStream, rays: (usize, usize));
 }
 
 impl SetQuery for Option<Hit> {
-    entry_points!();
+    #[inline(never)]
+    fn trace(level: DetectedSimd, batch: &mut Batch<'_, Self>, rays: &RayStream, hits: &mut HitStream) -> bool {
+        level.dispatch_lists(StreamTraversal { batch }, rays, hits)
+    }
+
+    #[inline(always)]
+    fn read_packet<S: Simd>(simd: S, hits: &HitStream, at: usize, mask: u32) -> SetResults<S> {
+        SetResults::read(simd, hits, at, mask)
+    }
+
+    #[inline(always)]
+    fn write_packet<S: Simd>(simd: S, results: &SetResults<S>, hits: &mut HitStream, (at, _): (usize, usize)) {
+        results.write(simd, hits, at);
+    }
 }
 
 impl SetQuery for bool {
-    entry_points!();
+    #[inline(never)]
+    fn trace(level: DetectedSimd, batch: &mut Batch<'_, Self>, rays: &RayStream, occluded: &mut [bool]) -> bool {
+        level.dispatch_lists(StreamTraversal { batch }, rays, occluded)
+    }
+
+    #[inline(always)]
+    fn read_packet<S: Simd>(simd: S, occluded: &[bool], at: usize, mask: u32) -> SetResults<S> {
+        let mut results = SetResults::new(simd, mask);
+        for (lane, occluded) in occluded.iter().skip(at).take(PACKET).enumerate() {
+            results.hit |= u32::from(*occluded) << lane;
+        }
+        results.active &= !results.hit;
+        results
+    }
+
+    #[inline(always)]
+    fn write_packet<S: Simd>(_: S, results: &SetResults<S>, occluded: &mut [bool], (at, n): (usize, usize)) {
+        for (lane, occluded) in occluded.iter_mut().skip(at).take(n).enumerate() {
+            *occluded = results.hit >> lane & 1 == 1;
+        }
+    }
 }
 
 impl SmallSet {
@@ -514,7 +406,7 @@ impl SmallSet {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        self.trace_batch(primitives, rays, hits, probe);
+        closest_in_streams(rays, hits, &mut |rays, hits| self.closest_stream(primitives, rays, hits, probe));
     }
 
     /// [`occluded`](Self::occluded) for many rays, with identical results.
@@ -525,6 +417,30 @@ impl SmallSet {
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        self.trace_batch(primitives, rays, occluded, probe);
+        occluded_in_streams(rays, occluded, &mut |rays, occluded| {
+            self.occluded_stream(primitives, rays, occluded, probe)
+        });
+    }
+
+    /// [`closest`](Self::closest) for the rays of a stream, with identical results.
+    pub fn closest_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        hits: &mut HitStream,
+        probe: &mut S,
+    ) {
+        self.trace_stream::<Option<Hit>, _, _>(primitives, rays, hits, probe);
+    }
+
+    /// [`occluded`](Self::occluded) for the rays of a stream, with identical results.
+    pub fn occluded_stream<P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        rays: &RayStream,
+        occluded: &mut [bool],
+        probe: &mut S,
+    ) {
+        self.trace_stream::<bool, _, _>(primitives, rays, occluded, probe);
     }
 }

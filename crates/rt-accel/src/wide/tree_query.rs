@@ -1,32 +1,33 @@
 //! Entry points of traversal, compiled for each output.
 
+use core::cell::OnceCell;
 use core::marker::PhantomData;
 
-use rt_geometry::Hit;
+use rt_geometry::{Hit, RayStream};
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
 use super::batch::{BatchContext, BatchTraversal};
-use super::coherence::is_coherent;
 use super::f64x8::PACKET;
 use super::filter::{BoxTest, LeafTest, SphereTest, TriangleTest};
 use super::leaf::LeafKind;
-use super::list_traversal::{LIST_BATCH, TriangleListTraversal};
+use super::list_traversal::{ListQuery, ListStream};
 use super::query::{Output, TraversalStats};
+use super::simd::take_lane;
 use super::single_ray::{SingleContext, SingleTraversal};
-use super::triangle_list::TriangleList;
+use super::stream_rays::{ALL_PACKETS, N_PACKETS, StreamRays};
 
 /// Queries of a tree.
-pub(super) trait TreeQuery: Output {
+pub(super) trait TreeQuery: ListQuery {
     /// Traces one ray through a tree. Compiled once here, and not in every crate that traces rays.
     fn trace(tree: &WideBvh, context: &mut SingleContext<'_, Self>, ray: &Ray, span: Interval);
 
-    /// Traces many rays through a tree.
-    fn trace_batch(
+    /// Traces the rays of a stream through a tree.
+    fn trace_stream(
         tree: &WideBvh,
         context: &mut BatchContext<'_, Self>,
-        rays: &[(Ray, Interval)],
-        outputs: &mut [Self],
+        rays: &RayStream,
+        outputs: &mut Self::OfStream,
     );
 }
 
@@ -45,23 +46,43 @@ macro_rules! entry_points {
         }
 
         #[inline(never)]
-        fn trace_batch(
+        fn trace_stream(
             tree: &WideBvh,
             context: &mut BatchContext<'_, Self>,
-            rays: &[(Ray, Interval)],
-            outputs: &mut [Self],
+            rays: &RayStream,
+            outputs: &mut Self::OfStream,
         ) {
-            if let Some(list) = &tree.list
-                && !context.counts_work
-                && trace_small(tree, list, context, rays, outputs)
-            {
-                return;
+            let mut packets = ALL_PACKETS;
+            if let Some(list) = tree.list.as_ref().filter(|_| !context.counts_work) {
+                let mut open = [0; N_PACKETS];
+                let mut coherent = 0;
+                let traversal = ListStream { tree, list, open: &mut open, coherent: &mut coherent };
+                if Self::trace_list(traversal, tree.level, rays, outputs) {
+                    packets = coherent;
+                    for (packet, open) in open.into_iter().enumerate() {
+                        trace_one_by_one((tree, &mut *context), rays, (packet, open.into()), outputs);
+                    }
+                }
             }
-            match tree.leaves.kind {
-                LeafKind::Watertight => trace_batch::<Self, TriangleTest<true>>(tree, context, rays, outputs),
-                LeafKind::Triangles => trace_batch::<Self, TriangleTest<false>>(tree, context, rays, outputs),
-                LeafKind::Spheres => trace_batch::<Self, SphereTest>(tree, context, rays, outputs),
-                LeafKind::Boxes => trace_batch::<Self, BoxTest>(tree, context, rays, outputs),
+            let copies = [const { OnceCell::new() }; N_PACKETS];
+            let stream = StreamRays::new(rays, &copies);
+            let is_traced = packets == 0
+                || match tree.leaves.kind {
+                    LeafKind::Watertight => {
+                        trace_packets::<Self, TriangleTest<true>>((tree, &mut *context), stream, packets, outputs)
+                    }
+                    LeafKind::Triangles => {
+                        trace_packets::<Self, TriangleTest<false>>((tree, &mut *context), stream, packets, outputs)
+                    }
+                    LeafKind::Spheres => {
+                        trace_packets::<Self, SphereTest>((tree, &mut *context), stream, packets, outputs)
+                    }
+                    LeafKind::Boxes => trace_packets::<Self, BoxTest>((tree, &mut *context), stream, packets, outputs),
+                };
+            if !is_traced {
+                for packet in 0..rays.len().div_ceil(PACKET) {
+                    trace_one_by_one((tree, &mut *context), rays, (packet, 0xff), outputs);
+                }
             }
         }
     };
@@ -72,74 +93,36 @@ fn trace_ray<O: Output, F: LeafTest>(tree: &WideBvh, context: &mut SingleContext
     tree.level.dispatch(SingleTraversal { tree, context, leaf_test: PhantomData::<F> }, ray, span);
 }
 
+/// Traces some packets of a stream. False, without a result, if kernels for packets are not compiled for this level.
 #[inline(always)]
-fn trace_batch<O: Output, F: LeafTest>(
-    tree: &WideBvh,
-    context: &mut BatchContext<'_, O>,
-    rays: &[(Ray, Interval)],
-    outputs: &mut [O],
-) {
-    let traversal = BatchTraversal { tree, context: &mut *context, leaf_test: PhantomData::<F> };
-    if tree.level.dispatch_packets(traversal, rays, &mut *outputs) {
-        return;
-    }
-    for ((ray, span), output) in rays.iter().zip(outputs) {
-        let mut single = SingleContext { tester: &mut *context.tester, stats: TraversalStats::default(), output };
-        trace_ray::<O, F>(tree, &mut single, ray, *span);
-        context.stats += single.stats;
-    }
-}
-
-/// Traces a batch through a small tree: coherent packets through its nodes, all other rays through its list. False, without a
-/// result, if kernels for batches are not compiled for this level.
-#[inline(always)]
-fn trace_small<O: TreeQuery>(
-    tree: &WideBvh,
-    list: &TriangleList,
-    context: &mut BatchContext<'_, O>,
-    rays: &[(Ray, Interval)],
-    outputs: &mut [O],
+fn trace_packets<O: Output, F: LeafTest>(
+    (tree, context): (&WideBvh, &mut BatchContext<'_, O>),
+    rays: StreamRays<'_>,
+    packets: u32,
+    outputs: &mut O::OfStream,
 ) -> bool {
-    let mut rest = (rays, outputs);
-    while !rest.0.is_empty() {
-        let (n, is_coherent) = leading_packets(rest.0);
-        let ((rays, later), (outputs, later_outputs)) = (rest.0.split_at(n), rest.1.split_at_mut(n));
-        rest = (later, later_outputs);
-        if is_coherent {
-            trace_batch::<O, TriangleTest<true>>(tree, context, rays, outputs);
-            continue;
-        }
-        let mut open = 0;
-        let traversal = TriangleListTraversal { tree, list, context: &mut *context, open: &mut open };
-        if !tree.level.dispatch_lists(traversal, rays, &mut *outputs) {
-            return false;
-        }
-        while open != 0 {
-            let at = open.trailing_zeros() as usize;
-            open &= open - 1;
-            if let (Some((ray, span)), Some(output)) = (rays.get(at), outputs.get_mut(at)) {
-                let stats = TraversalStats::default();
-                let mut single = SingleContext { tester: &mut *context.tester, stats, output };
-                O::trace(tree, &mut single, ray, *span);
-                context.stats += single.stats;
-            }
-        }
-    }
-    true
+    tree.level.dispatch_packets(BatchTraversal { tree, context, packets, leaf_test: PhantomData::<F> }, rays, outputs)
 }
 
-/// Number of leading rays in packets that are all coherent, or at most [`LIST_BATCH`] in packets that are not, and true if
-/// they are.
-#[inline(always)]
-fn leading_packets(rays: &[(Ray, Interval)]) -> (usize, bool) {
-    let is_packet_coherent = |rays: &[(Ray, Interval)]| rays.first_chunk().is_some_and(is_coherent);
-    let is_coherent = is_packet_coherent(rays);
-    let most = if is_coherent { rays.len() } else { rays.len().min(LIST_BATCH) };
-    let mut n = PACKET.min(most);
-    while n < most && is_packet_coherent(&rays[n..]) == is_coherent {
-        n = most.min(n + PACKET);
+/// Traces some rays of a packet, a bit for each, as single rays.
+fn trace_one_by_one<O: TreeQuery>(
+    (tree, context): (&WideBvh, &mut BatchContext<'_, O>),
+    rays: &RayStream,
+    (packet, mut mask): (usize, u32),
+    outputs: &mut O::OfStream,
+) {
+    while mask != 0 {
+        let at = packet * PACKET + take_lane(&mut mask);
+        if at >= rays.len() {
+            return;
+        }
+        let ((ray, span), mut output) = (rays.get(at), O::default());
+        let stats = TraversalStats::default();
+        let mut single = SingleContext { tester: &mut *context.tester, stats, output: &mut output };
+        O::trace(tree, &mut single, &ray, span);
+        context.stats += single.stats;
+        output.write(outputs, at);
     }
-    (n, is_coherent)
 }
 
 impl TreeQuery for Option<Hit> {

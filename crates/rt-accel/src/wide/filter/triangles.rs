@@ -324,9 +324,10 @@ mod tests {
 
     use super::*;
     use crate::wide::SimdLevel;
-    use crate::wide::coherence::is_coherent;
+    use crate::wide::coherence::are_coherent;
     use crate::wide::f64x8::PACKET;
     use crate::wide::facets::Facets;
+    use crate::wide::ray_soa::RaySoa8;
     use crate::wide::simd::{DetectedSimd, WithSimd};
 
     /// Number of certain hits, of certain misses, and of uncertain results.
@@ -348,7 +349,11 @@ mod tests {
         #[inline(always)]
         fn compare<S: Simd, const EXACT: bool>(&mut self, simd: S, rays: &[(Ray, Interval); PACKET]) {
             let tree = self.0;
-            let Some(across) = RayPacket::new(simd, tree, rays).filter(|_| is_coherent(rays)) else { return };
+            let soa = RaySoa8::new(simd, rays);
+            let Some(across) = RayPacket::new(simd, tree, soa).filter(|_| are_coherent(simd, soa.direction, PACKET))
+            else {
+                return;
+            };
             // SAFETY: the root of a tree is one of its nodes, and the first child of this one is its only leaf.
             let leaf = unsafe { tree.leaves.view(tree.node(tree.root).children[0]) };
             let filter = TriangleTest::<EXACT>::packet(simd, &across, tree);

@@ -1,6 +1,6 @@
 //! Results of queries.
 
-use rt_geometry::Hit;
+use rt_geometry::{Hit, HitStream};
 
 /// Result of a query for one ray.
 pub(crate) trait Output: Copy + Default {
@@ -9,6 +9,15 @@ pub(crate) trait Output: Copy + Default {
 
     /// Output of an any-hit query that ends with a hit.
     const HIT: Self;
+
+    /// Outputs of the rays of a stream.
+    type OfStream: ?Sized;
+
+    /// Writes the output of a ray of a stream. Nothing happens if there is no space for it.
+    fn write(self, outputs: &mut Self::OfStream, at: usize);
+
+    /// The output of a ray of a stream, as it was written.
+    fn read(outputs: &Self::OfStream, at: usize) -> Self;
 
     fn from_hit(hit: Option<Hit>) -> Self;
 
@@ -45,6 +54,18 @@ impl Output for Option<Hit> {
     const ANY_HIT: bool = false;
     const HIT: Self = Some(NO_HIT);
 
+    type OfStream = HitStream;
+
+    #[inline(always)]
+    fn write(self, hits: &mut HitStream, at: usize) {
+        hits.set(at, self.as_ref());
+    }
+
+    #[inline(always)]
+    fn read(hits: &HitStream, at: usize) -> Self {
+        hits.get(at)
+    }
+
     #[inline(always)]
     fn from_hit(hit: Option<Hit>) -> Self {
         hit
@@ -59,6 +80,20 @@ impl Output for Option<Hit> {
 impl Output for bool {
     const ANY_HIT: bool = true;
     const HIT: Self = true;
+
+    type OfStream = [bool];
+
+    #[inline(always)]
+    fn write(self, occluded: &mut [bool], at: usize) {
+        if let Some(occluded) = occluded.get_mut(at) {
+            *occluded = self;
+        }
+    }
+
+    #[inline(always)]
+    fn read(occluded: &[bool], at: usize) -> Self {
+        occluded.get(at).is_some_and(|occluded| *occluded)
+    }
 
     #[inline(always)]
     fn from_hit(hit: Option<Hit>) -> Self {

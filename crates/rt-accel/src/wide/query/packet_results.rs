@@ -3,7 +3,7 @@
 use core::marker::PhantomData;
 
 use rt_geometry::{Hit, SphereKernel};
-use rt_math::{DVec3, Interval, Ray};
+use rt_math::DVec3;
 
 use super::{Output, PrimSlot, PrimitiveTester};
 use crate::wide::WideBvh;
@@ -15,6 +15,7 @@ use crate::wide::packet_spheres::SpherePacket;
 use crate::wide::ray_f64::RayF64;
 use crate::wide::ray_packet::RayPacket;
 use crate::wide::simd::{Simd, take_lane};
+use crate::wide::stream_rays::PacketRays;
 
 /// One certain hit for each of eight rays.
 pub(in crate::wide) struct PacketResults<S: Simd, O> {
@@ -105,7 +106,7 @@ impl<S: Simd, O: Output> PacketResults<S, O> {
         tree: &WideBvh,
         tester: &mut dyn PrimitiveTester<O>,
         packet: &RayPacket<S>,
-        rays: &[(Ray, Interval); PACKET],
+        rays: PacketRays<'_>,
         outputs: &mut [O; PACKET],
     ) -> u64 {
         if O::ANY_HIT {
@@ -139,7 +140,7 @@ impl<S: Simd, O: Output> PacketResults<S, O> {
             if !F::is_exact(leaf, of_leaf) {
                 while same != 0 {
                     let lane = take_lane(&mut same);
-                    let (ray, span) = &rays[lane];
+                    let (ray, span) = rays.get(lane);
                     outputs[lane] = tester.test(F::index(leaf, of_leaf), ray, *span);
                 }
                 continue;
@@ -152,7 +153,7 @@ impl<S: Simd, O: Output> PacketResults<S, O> {
             let mut single = same & !together;
             while single != 0 {
                 let lane = take_lane(&mut single);
-                let (ray, span) = &rays[lane];
+                let (ray, span) = rays.get(lane);
                 let ray = RayF64::new(simd, ray);
                 outputs[lane] = O::from_hit(F::exact_hit::<S, true>(simd, leaf, of_leaf, &ray, *span));
             }

@@ -32,6 +32,27 @@ impl<S: Simd> SetResults<S> {
         Self { active, hit: 0, found: 0, t: F64x8::splat(simd, f64::INFINITY), uv: [zero; 2], ids }
     }
 
+    /// Reads closest hits on earlier entries from a stream, from index `at` on.
+    #[inline(always)]
+    pub(super) fn read(simd: S, hits: &HitStream, at: usize, active: u32) -> Self {
+        let [u, v] = &hits.uv;
+        let (instances, primitives) = (hits.instance.vector(at), hits.primitive.vector(at));
+        let (mut found, mut ids) = (0, [[0.0; PACKET]; 2]);
+        for lane in 0..PACKET {
+            found |= u32::from(primitives[lane] != HitStream::NONE) << lane;
+            (ids[0][lane], ids[1][lane]) = (f32::from_bits(instances[lane]), f32::from_bits(primitives[lane]));
+        }
+        let t = F64x8::new(simd, *hits.t.vector(at));
+        Self {
+            active,
+            hit: 0,
+            found,
+            t: t.select(simd, found, F64x8::splat(simd, f64::INFINITY)),
+            uv: [F64x8::new(simd, *u.vector(at)), F64x8::new(simd, *v.vector(at))],
+            ids: [simd.load(&ids[0]), simd.load(&ids[1])],
+        }
+    }
+
     /// Writes the closest hits to a stream, from index `at` on.
     #[inline(always)]
     pub(super) fn write(&self, simd: S, hits: &mut HitStream, at: usize) {
@@ -42,25 +63,6 @@ impl<S: Simd> SetResults<S> {
         *hits.primitive.vector_mut(at) = simd.to_array(primitive).map(f32::to_bits);
         *to_u.vector_mut(at) = self.uv[0].to_array(simd);
         *to_v.vector_mut(at) = self.uv[1].to_array(simd);
-    }
-
-    /// Closest hits by ray. Those of rays that hit nothing are without meaning.
-    #[inline(always)]
-    pub(super) fn hits(&self, simd: S) -> [Hit; PACKET] {
-        let [instance, primitive] = self.ids.map(
-            #[inline(always)]
-            |ids| simd.to_array(ids),
-        );
-        let (t, u, v) = (self.t.to_array(simd), self.uv[0].to_array(simd), self.uv[1].to_array(simd));
-        core::array::from_fn(
-            #[inline(always)]
-            |lane| Hit {
-                t: t[lane],
-                instance: instance[lane].to_bits(),
-                primitive: primitive[lane].to_bits(),
-                uv: [u[lane], v[lane]],
-            },
-        )
     }
 
     /// Marks rays that are occluded, and returns their number.

@@ -19,14 +19,14 @@ macro_rules! trace_batch {
     }};
 }
 
-/// Version of `trace_batch` for a stream; `None` if there are no kernels for streams.
+/// Version of `trace_batch` for a stream.
 macro_rules! trace_stream {
     ($accel:expr, $primitives:expr, $rays:expr, $counters:expr) => {{
         let (stream, mut hits) = (super::stream_of($rays), rt_geometry::HitStream::default());
         let mut occluded = vec![false; $rays.len()];
-        let is_traced = $accel.closest_stream($primitives, &stream, &mut hits, $counters);
-        assert_eq!($accel.occluded_stream($primitives, &stream, &mut occluded, $counters), is_traced);
-        is_traced.then(|| (super::hits_of(&hits, $rays.len()), occluded))
+        $accel.closest_stream($primitives, &stream, &mut hits, $counters);
+        $accel.occluded_stream($primitives, &stream, &mut occluded, $counters);
+        (super::hits_of(&hits, $rays.len()), occluded)
     }};
 }
 

@@ -23,23 +23,15 @@ impl Probe for NodesOfOpenRays {
 }
 
 /// Compares batches of many sizes with brute force, and streams with batches; returns the number of hits.
-fn compare(
-    name: &str,
-    tree: &WideBvh,
-    soup: &Soup,
-    rays: &[(Ray, Interval)],
-    (draw, n_streamed): (&mut Draw, &mut usize),
-) -> usize {
+fn compare(name: &str, tree: &WideBvh, soup: &Soup, rays: &[(Ray, Interval)], draw: &mut Draw) -> usize {
     let (mut n_hits, mut first) = (0, 0);
     while first < rays.len() {
         let n = draw.pick(&[1, 2, 3, 5, 8, 13, 64, 100, STREAM_CAPACITY]).min(rays.len() - first);
         let rays = &rays[first..first + n];
         let (hits, occluded) = trace_batch!(tree, soup, rays, &mut NoProbe);
-        if let Some((streamed, occluded_in_stream)) = trace_stream!(tree, soup, rays, &mut NoProbe) {
-            *n_streamed += n;
-            for (i, hit) in streamed.into_iter().enumerate() {
-                assert_eq!((key(hit), occluded_in_stream[i]), (key(hits[i]), occluded[i]), "{name}: {:?}", rays[i]);
-            }
+        let (streamed, occluded_in_stream) = trace_stream!(tree, soup, rays, &mut NoProbe);
+        for (i, hit) in streamed.into_iter().enumerate() {
+            assert_eq!((key(hit), occluded_in_stream[i]), (key(hits[i]), occluded[i]), "{name}: {:?}", rays[i]);
         }
         for (i, (ray, span)) in rays.iter().enumerate() {
             let expected = brute_force::closest(soup, ray, *span, &mut NoProbe);
@@ -105,7 +97,7 @@ fn batches_through_few_triangles_equal_brute_force() {
     let seed = run_seed();
     println!("small trees: seed {seed}");
     let draw = &mut Draw::new(seed);
-    let (mut n_hits, mut n_streamed) = (0, 0);
+    let mut n_hits = 0;
     for round in 0..40 {
         let mut soup = if round % 2 == 0 { boxes_in_a_box(draw) } else { Soup::facets(draw) };
         let n = draw.pick(&[1, 2, 9, 16, 31, 40, 64, 70]).min(soup.0.len());
@@ -136,10 +128,10 @@ fn batches_through_few_triangles_equal_brute_force() {
         for level in levels() {
             let tree = WideBvh::build(&soup).unwrap().with_level(level);
             let name = format!("round {round}, {n} at {scale:e} and {offset:e}, {}", level.name());
-            n_hits += compare(&name, &tree, &soup, &rays, (draw, &mut n_streamed));
+            n_hits += compare(&name, &tree, &soup, &rays, draw);
         }
     }
-    assert!(n_hits > 20_000 && n_streamed > 20_000, "{n_hits} hits, {n_streamed} rays of streams");
+    assert!(n_hits > 20_000, "{n_hits} hits");
 }
 
 /// The list has only the first of equal triangles.

@@ -4,14 +4,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SimdLevel;
 use rt_accel::{Accelerator, Counters, DVec3, Interval, NoProbe, Ray, SphereKernel, WideBvh, brute_force};
+use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
 
 use super::{Counting, bundles, key, levels};
 use crate::soup::{Solid, Soup, run_seed, sheet};
 use rt_tests::Draw;
 
-/// Compares batches of all sizes with single queries.
-fn compare<A: Accelerator>(name: &str, accelerator: &A, soup: &Soup, n_rays: usize, draw: &mut Draw) {
+/// Compares batches of all sizes with single queries, and streams with batches.
+fn compare(name: &str, accelerator: &WideBvh, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
     let (mut single, mut batched) = (Counters::default(), Counters::default());
@@ -20,6 +21,13 @@ fn compare<A: Accelerator>(name: &str, accelerator: &A, soup: &Soup, n_rays: usi
         let rays = &rays[first..first + n];
         let mut hits = vec![None; n];
         let mut occluded = vec![false; n];
+        if n <= STREAM_CAPACITY {
+            let (mut of_batch, mut of_stream) = (Counters::default(), Counters::default());
+            let expected = trace_batch!(accelerator, soup, rays, &mut of_batch);
+            let (hits, occluded) = trace_stream!(accelerator, soup, rays, &mut of_stream);
+            assert!(hits.iter().zip(&expected.0).all(|(hit, expected)| key(*hit) == key(*expected)), "{name}");
+            assert_eq!((occluded, of_stream), (expected.1, of_batch), "{name}, {n} rays");
+        }
         accelerator.closest_batch(soup, rays, &mut hits, &mut batched);
         accelerator.occluded_batch(soup, rays, &mut occluded, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
@@ -278,9 +286,12 @@ fn batches_with_odd_rays_equal_single_queries() {
                     .collect();
                 let mut hits = vec![None; N];
                 wide.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
+                let (streamed, occluded) = trace_stream!(wide, &soup, &rays, &mut NoProbe);
                 for (at, (ray, span)) in rays.iter().enumerate() {
                     let expected = wide.closest(&soup, ray, *span, &mut NoProbe);
                     assert_eq!(key(hits[at]), key(expected), "odd ray {i} at {place}, {span:?}");
+                    assert_eq!(key(streamed[at]), key(expected), "odd ray {i} of a stream at {place}, {span:?}");
+                    assert_eq!(occluded[at], expected.is_some(), "odd ray {i} of a stream at {place}, {span:?}");
                 }
             }
         }
