@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use rt_accel::{DVec3, HitBatch, RayBatch};
 
 use crate::arrays::{with_capacity, zeros};
-use crate::error::{memory_error, value_error};
+use crate::error::{batch_error, memory_error, value_error};
 use crate::geometry::PyMesh;
 use crate::rays::{Rays, RaysView};
 use crate::scene::PyScene;
@@ -121,7 +121,7 @@ impl ClosestHits {
         } else {
             scene.scene.closest_batch(rays, &mut hits)
         };
-        traced.map_err(value_error)
+        traced.map_err(batch_error)
     }
 }
 
@@ -168,7 +168,9 @@ fn all_crossings(
     let (mut found, mut hits, mut points) = (Crossings::default(), Vec::new(), Vec::new());
     view.for_each_small_slice(is_parallel, |first, rays| {
         let lists = if is_parallel { scene.scene.par_all_hits_batch(rays) } else { scene.scene.all_hits_batch(rays) };
+        let lists = lists.map_err(batch_error)?;
         hits.clear();
+        hits.try_reserve(lists.hits.len()).map_err(memory_error)?;
         hits.extend(lists.hits.iter().map(|hit| (hit.primitive, hit.uv)));
         points.clear();
         append_points(mesh, &hits, is_parallel, &mut points)?;

@@ -13,7 +13,7 @@ use rt_accel::{
 };
 
 use crate::arrays::{Rows, RowsView, collected, with_capacity, zeros};
-use crate::error::{memory_error, value_error};
+use crate::error::{batch_error, memory_error, value_error};
 use crate::geometry::{PyMesh, PySpheres};
 use crate::rays::Rays;
 use crate::threads::Threads;
@@ -164,7 +164,7 @@ fn per_ray<'py, T: Element + Send + Sync>(
         let work = |is_parallel| {
             view.for_each_slice(is_parallel, |first, rays| {
                 let results = &mut results[first..first + rays.len()];
-                trace(is_parallel, rays, results).map_err(value_error)
+                trace(is_parallel, rays, results).map_err(batch_error)
             })
         };
         let threads = view.threads(py, threads)?;
@@ -315,7 +315,7 @@ impl PyScene {
                     } else {
                         self.scene.closest_batch(rays, &mut hits)
                     };
-                    traced.map_err(value_error)
+                    traced.map_err(batch_error)
                 })
             };
             let threads = view.threads(py, threads)?;
@@ -379,7 +379,7 @@ impl PyScene {
             view.for_each_small_slice(is_parallel, |_, rays| {
                 let lists =
                     if is_parallel { self.scene.par_all_hits_batch(rays) } else { self.scene.all_hits_batch(rays) };
-                all.extend(&lists).map_err(memory_error)
+                all.extend(&lists.map_err(batch_error)?).map_err(memory_error)
             })?;
             Ok::<_, PyErr>(all)
         };

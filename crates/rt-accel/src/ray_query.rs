@@ -2,6 +2,8 @@
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
+use std::alloc::{Layout, handle_alloc_error};
+use std::collections::TryReserveError;
 
 use rt_geometry::{
     Hit, PrimitiveGeometry as Geometry, Primitives, Probe, intersect_primitive, occludes_primitive, padded_bounds,
@@ -170,19 +172,67 @@ pub(crate) struct AllHits<'h> {
     ray: SlabRay,
     span: Interval,
     hits: &'h mut Vec<Hit>,
+    /// Set once the list cannot grow.
+    error: Option<TryReserveError>,
 }
 
 impl<'h> AllHits<'h> {
     pub(crate) fn new(ray: &Ray, span: Interval, hits: &'h mut Vec<Hit>) -> Self {
         hits.clear();
-        Self { ray: SlabRay::new(ray), span, hits }
+        Self { ray: SlabRay::new(ray), span, hits, error: None }
     }
 
-    /// Sorts the hits and removes duplicates.
-    pub(crate) fn finish(&mut self) {
+    /// Sorts the hits and removes duplicates. The list is empty after an error.
+    pub(crate) fn try_finish(mut self) -> Result<(), TryReserveError> {
+        if let Some(error) = self.error {
+            self.hits.clear();
+            return Err(error);
+        }
+        self.remove_duplicates();
+        Ok(())
+    }
+
+    /// [`try_finish`](Self::try_finish) for queries that return no error.
+    pub(crate) fn finish(self) {
+        self.try_finish().unwrap_or_else(|error| abort_without_memory(&error));
+    }
+
+    /// Sorts the hits as well.
+    fn remove_duplicates(&mut self) {
         sort_hits(self.hits);
         self.hits.dedup_by(|a, b| is_same(a, b));
     }
+
+    fn push(&mut self, hit: Hit) -> ControlFlow<()> {
+        if self.hits.len() == self.hits.capacity() {
+            self.grow()?;
+        }
+        self.hits.push(hit);
+        ControlFlow::Continue(())
+    }
+
+    /// Makes room for at least one hit. `Break` without memory.
+    #[cold]
+    fn grow(&mut self) -> ControlFlow<()> {
+        // Not again: a traversal may pass more primitives after a `Break`.
+        if self.error.is_some() {
+            return ControlFlow::Break(());
+        }
+        // Grow the list only if duplicates do not fill it.
+        self.remove_duplicates();
+        match self.hits.try_reserve(1 + self.hits.len() / 2) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.error = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// Ends the process, as any list does that grows without memory.
+pub(crate) fn abort_without_memory(_: &TryReserveError) -> ! {
+    handle_alloc_error(Layout::new::<Hit>())
 }
 
 /// Sorts hits by `t`, ties by instance and primitive.
@@ -213,16 +263,12 @@ impl RayQuery for AllHits<'_> {
         probe: &mut S,
     ) -> ControlFlow<()> {
         let (ray, span) = (self.ray, self.span);
+        let mut flow = ControlFlow::Continue(());
         for_each_hit(primitives, index, &ray, span, probe, |hit| {
-            // Grow the list only if duplicates do not fill it.
-            if self.hits.len() == self.hits.capacity() {
-                self.finish();
-                self.hits.reserve(1 + self.hits.len() / 2);
-            }
-            self.hits.push(hit);
-            ControlFlow::Continue(())
+            flow = self.push(hit);
+            flow
         });
-        ControlFlow::Continue(())
+        flow
     }
 }
 

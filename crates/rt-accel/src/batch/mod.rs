@@ -2,12 +2,14 @@
 
 mod vectors;
 
+use std::collections::TryReserveError;
+
 use rt_geometry::Hit;
 use rt_math::{Interval, Ray};
 
 pub use vectors::{Scalars, Vectors};
 
-/// Error of batches: arrays that do not form one.
+/// Error of batches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BatchError {
@@ -21,6 +23,15 @@ pub enum BatchError {
         /// Number of rays.
         expected: usize,
     },
+    /// Lists of hits do not fit into memory.
+    #[error("there is no memory for the hits of all rays; trace fewer rays at a time")]
+    Memory,
+}
+
+impl From<TryReserveError> for BatchError {
+    fn from(_: TryReserveError) -> Self {
+        Self::Memory
+    }
 }
 
 /// Rays as a structure of arrays.

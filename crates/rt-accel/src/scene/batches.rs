@@ -5,6 +5,7 @@
 //! with identical results.
 
 use core::ops::Range;
+use std::collections::TryReserveError;
 
 use rt_geometry::{Hit, HitStream, NoProbe, RayStream, STREAM_CAPACITY};
 
@@ -32,16 +33,28 @@ pub struct HitLists {
 }
 
 impl HitLists {
-    fn empty() -> Self {
-        Self { offsets: vec![0], hits: Vec::new() }
+    /// Lists of no rays yet, with room for the offsets of `n_rays`.
+    fn with_capacity(n_rays: usize) -> Result<Self, TryReserveError> {
+        let mut offsets = Vec::new();
+        offsets.try_reserve_exact(n_rays.saturating_add(1))?;
+        offsets.push(0);
+        Ok(Self { offsets, hits: Vec::new() })
     }
 
+    /// Appends the list of one ray.
+    fn push(&mut self, hits: &[Hit]) -> Result<(), TryReserveError> {
+        self.hits.try_reserve(hits.len())?;
+        self.hits.extend_from_slice(hits);
+        self.offsets.push(self.hits.len());
+        Ok(())
+    }
+
+    /// Appends the lists of other rays.
     #[cfg(feature = "parallel")]
-    fn append(mut self, other: Self) -> Self {
+    fn append(&mut self, other: &Self) {
         let first = self.hits.len();
         self.offsets.extend(other.offsets.iter().skip(1).map(|offset| first + offset));
-        self.hits.extend(other.hits);
-        self
+        self.hits.extend_from_slice(&other.hits);
     }
 }
 
@@ -82,19 +95,23 @@ impl Scene<'_> {
     }
 
     /// [`all_hits`](Self::all_hits) for many rays, on this thread.
-    pub fn all_hits_batch(&self, rays: &RayBatch<'_>) -> HitLists {
-        self.all_hits_range(rays, 0..rays.len())
+    ///
+    /// # Errors
+    ///
+    /// [`BatchError::Memory`] if there is no memory for the hits.
+    pub fn all_hits_batch(&self, rays: &RayBatch<'_>) -> Result<HitLists, BatchError> {
+        Ok(self.all_hits_range(rays, 0..rays.len())?)
     }
 
     /// Number of [`all_hits`](Self::all_hits) of each ray, on this thread.
     ///
     /// # Errors
     ///
-    /// [`BatchError::Length`] if `counts` does not hold one entry for each ray.
+    /// [`BatchError::Length`] if `counts` does not hold one entry for each ray. [`BatchError::Memory`] if there is no memory
+    /// for the hits of one ray, of which some are found twice.
     pub fn count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
         check_length("counts", counts.len(), rays)?;
-        self.count_range(rays, 0, counts);
-        Ok(())
+        Ok(self.count_range(rays, 0, counts)?)
     }
 
     fn closest_range(&self, rays: &RayBatch<'_>, range: Range<usize>, hits: &mut HitBatch<'_>) {
@@ -118,25 +135,25 @@ impl Scene<'_> {
         });
     }
 
-    fn all_hits_range(&self, rays: &RayBatch<'_>, range: Range<usize>) -> HitLists {
-        let mut lists = HitLists::empty();
+    fn all_hits_range(&self, rays: &RayBatch<'_>, range: Range<usize>) -> Result<HitLists, TryReserveError> {
+        let mut lists = HitLists::with_capacity(range.len())?;
         let mut of_one = Vec::new();
         for index in range {
             let (ray, span) = rays.get(index);
-            self.all_hits(&ray, span, &mut of_one);
-            lists.hits.extend_from_slice(&of_one);
-            lists.offsets.push(lists.hits.len());
+            self.try_all_hits(&ray, span, &mut of_one)?;
+            lists.push(&of_one)?;
         }
-        lists
+        Ok(lists)
     }
 
-    fn count_range(&self, rays: &RayBatch<'_>, first: usize, counts: &mut [u32]) {
+    fn count_range(&self, rays: &RayBatch<'_>, first: usize, counts: &mut [u32]) -> Result<(), TryReserveError> {
         let mut hits = Vec::new();
         for (i, count) in counts.iter_mut().enumerate() {
             let (ray, span) = rays.get(first + i);
-            self.all_hits(&ray, span, &mut hits);
+            self.try_all_hits(&ray, span, &mut hits)?;
             *count = hits.len() as u32;
         }
+        Ok(())
     }
 }
 
@@ -183,10 +200,19 @@ impl Scene<'_> {
     }
 
     /// [`all_hits_batch`](Self::all_hits_batch) on the threads of the current rayon pool.
-    pub fn par_all_hits_batch(&self, rays: &RayBatch<'_>) -> HitLists {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`all_hits_batch`](Self::all_hits_batch).
+    pub fn par_all_hits_batch(&self, rays: &RayBatch<'_>) -> Result<HitLists, BatchError> {
+        let mut lists = HitLists::with_capacity(rays.len())?;
         let n_tasks = rays.len().div_ceil(RAYS_OF_LISTS);
         let task = |i: usize| self.all_hits_range(rays, i * RAYS_OF_LISTS..rays.len().min((i + 1) * RAYS_OF_LISTS));
-        parallel_map(n_tasks, task).into_iter().fold(HitLists::empty(), HitLists::append)
+        let parts = parallel_map(n_tasks, task).into_iter().collect::<Result<Vec<_>, _>>()?;
+        lists.hits.try_reserve_exact(parts.iter().map(|part| part.hits.len()).sum())?;
+        // Each part is freed once it is copied.
+        parts.into_iter().for_each(|part| lists.append(&part));
+        Ok(lists)
     }
 
     /// [`count_hits_batch`](Self::count_hits_batch) on the threads of the current rayon pool.
@@ -196,8 +222,10 @@ impl Scene<'_> {
     /// Those of [`count_hits_batch`](Self::count_hits_batch).
     pub fn par_count_hits_batch(&self, rays: &RayBatch<'_>, counts: &mut [u32]) -> Result<(), BatchError> {
         check_length("counts", counts.len(), rays)?;
-        let tasks = counts.chunks_mut(RAYS_OF_LISTS).enumerate().collect();
-        parallel_for_each(tasks, |(i, counts)| self.count_range(rays, i * RAYS_OF_LISTS, counts));
-        Ok(())
+        let mut tasks: Vec<_> = counts.chunks_mut(RAYS_OF_LISTS).map(|counts| (counts, Ok(()))).collect();
+        parallel_for_each(tasks.iter_mut().enumerate().collect(), |(i, (counts, counted))| {
+            *counted = self.count_range(rays, i * RAYS_OF_LISTS, counts);
+        });
+        Ok(tasks.into_iter().try_for_each(|(_, counted)| counted)?)
     }
 }

@@ -1,7 +1,9 @@
 //! Geometry of a scene with its tree.
 
+use std::collections::TryReserveError;
+
 use glam::DVec3;
-use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream, Spheres};
+use rt_geometry::{Hit, HitStream, NoProbe, Primitives, Probe, RayStream, Spheres};
 use rt_math::{Aabb, Interval, Ray};
 
 use super::refit_tree::RefitTree;
@@ -95,8 +97,11 @@ impl<'a> Blas<'a> {
         with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded_batch(primitives, rays, occluded, probe));
     }
 
-    pub(super) fn all_hits<S: Probe>(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>, probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.bvh.all_hits(primitives, ray, span, hits, probe));
+    /// All hits, or an empty list and an error if there is no memory for them.
+    pub(super) fn try_all_hits(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>) -> Result<(), TryReserveError> {
+        with_primitives!(&self.geometry, primitives => {
+            self.tree.bvh.collect_hits(primitives, ray, span, hits, &mut NoProbe).try_finish()
+        })
     }
 
     pub(super) fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {

@@ -3,13 +3,14 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_geometry::{Hit, MAX_COORDINATE, NoProbe, is_on_triangle, nearest_on_triangle};
+use rt_geometry::{Hit, MAX_COORDINATE, is_on_triangle, nearest_on_triangle};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::geometry::{Blas, Geometry};
 use super::instances::{Instance, Instances};
 use super::ray_queries::Scene;
 use super::triangle_mesh::TriangleMesh;
+use crate::ray_query::abort_without_memory;
 use crate::region::Region as _;
 use crate::{Accelerator, PointHit, RegionQuery, SphereRegion, WideBvh};
 
@@ -125,7 +126,8 @@ fn mesh_contains(geometry: &Blas<'_>, point: DVec3) -> bool {
     let mut is_inside = false;
     for attempt in 0..N_DIRECTIONS {
         let ray = Ray::new(point, direction(attempt));
-        geometry.all_hits(&ray, Interval::FORWARD, &mut hits, &mut NoProbe);
+        let found = geometry.try_all_hits(&ray, Interval::FORWARD, &mut hits);
+        found.unwrap_or_else(|error| abort_without_memory(&error));
         is_inside = hits.len() % 2 == 1;
         if !hits.iter().any(is_on_edge) {
             break;

@@ -1,6 +1,7 @@
 //! Scenes and their queries along a ray.
 
 use core::ops::ControlFlow;
+use std::collections::TryReserveError;
 use std::sync::Arc;
 
 use rt_geometry::{Hit, NoProbe};
@@ -10,7 +11,7 @@ use super::geometry::Blas;
 use super::instances::{Instance, Instances};
 use super::refit_tree::RefitTree;
 use crate::Accelerator;
-use crate::ray_query::{is_same, sort_hits};
+use crate::ray_query::{abort_without_memory, is_same, sort_hits};
 use crate::wide::BuildParams;
 
 /// Meshes and spheres that rays are traced against: two levels of [`WideBvh`](crate::WideBvh).
@@ -61,24 +62,38 @@ impl<'a> Scene<'a> {
     /// All hits within `span`, each once, in order of (t, instance, primitive); clears `hits` first. A sphere reports both
     /// of its hits.
     pub fn all_hits(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>) {
+        self.try_all_hits(ray, span, hits).unwrap_or_else(|error| abort_without_memory(&error));
+    }
+
+    /// [`all_hits`](Self::all_hits), or an empty list and an error if there is no memory for them.
+    pub(super) fn try_all_hits(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>) -> Result<(), TryReserveError> {
         if let Some(geometry) = self.single() {
-            return geometry.all_hits(ray, span, hits, &mut NoProbe);
+            return geometry.try_all_hits(ray, span, hits);
         }
         hits.clear();
-        let mut of_one = Vec::new();
+        let (mut of_one, mut failure) = (Vec::new(), None);
         let visit = |index: u32, inside: Interval| {
             let Some((instance, geometry)) = self.top_level().get(index) else {
                 return ControlFlow::Continue(f64::INFINITY);
             };
-            geometry.all_hits(&instance.local_ray(ray), span, &mut of_one, &mut NoProbe);
+            let found = geometry.try_all_hits(&instance.local_ray(ray), span, &mut of_one);
+            if let Err(error) = found.and_then(|()| hits.try_reserve(of_one.len())) {
+                failure = Some(error);
+                return ControlFlow::Break(());
+            }
             // As the closest hit: not before the entry into the bounds.
             let placed = |hit: &Hit| Hit { t: hit.t.max(inside.min), instance: instance.id, ..*hit };
             hits.extend(of_one.iter().map(placed));
-            ControlFlow::<(), f64>::Continue(f64::INFINITY)
+            ControlFlow::Continue(f64::INFINITY)
         };
         self.tree.bvh.visit_candidates(&self.top_level(), ray, span, visit, &mut NoProbe);
+        if let Some(error) = failure {
+            hits.clear();
+            return Err(error);
+        }
         sort_hits(hits);
         hits.dedup_by(|a, b| is_same(a, b));
+        Ok(())
     }
 
     /// The geometry, if instance 0 is the only one and not transformed: rays skip the top level.

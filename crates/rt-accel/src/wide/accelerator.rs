@@ -106,6 +106,27 @@ impl WideBvh {
         O::trace_stream(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
     }
+
+    /// All hits, not sorted yet.
+    pub(crate) fn collect_hits<'h, P: Primitives, S: Probe>(
+        &self,
+        primitives: &P,
+        ray: &Ray,
+        span: Interval,
+        hits: &'h mut Vec<Hit>,
+        probe: &mut S,
+    ) -> AllHits<'h> {
+        let mut query = AllHits::new(ray, span, hits);
+        let _ = query.test_leaf(primitives, &self.unbounded, probe);
+        let mut stats = TraversalStats::default();
+        let mut visit = |index: u32| _ = query.test_primitive(primitives, index, probe);
+        if self.visit_all_candidates(ray, span, &mut visit, &mut stats) {
+            stats.add_to(probe);
+        } else {
+            let _ = self.walk_bounded_erased(primitives, &mut query, probe);
+        }
+        query
+    }
 }
 
 impl Accelerator for WideBvh {
@@ -175,16 +196,7 @@ impl Accelerator for WideBvh {
         hits: &mut Vec<Hit>,
         probe: &mut S,
     ) {
-        let mut query = AllHits::new(ray, span, hits);
-        let _ = query.test_leaf(primitives, &self.unbounded, probe);
-        let mut stats = TraversalStats::default();
-        let mut visit = |index: u32| _ = query.test_primitive(primitives, index, probe);
-        if self.visit_all_candidates(ray, span, &mut visit, &mut stats) {
-            stats.add_to(probe);
-        } else {
-            let _ = self.walk_bounded_erased(primitives, &mut query, probe);
-        }
-        query.finish();
+        self.collect_hits(primitives, ray, span, hits, probe).finish();
     }
 
     fn traverse_ray<P: Primitives, Q: RayQuery, S: Probe>(

@@ -193,11 +193,11 @@ fn batches_give_the_hits_of_single_rays() {
     for scene in [Scene::new(mesh).expect("a scene"), builder.build().expect("a scene")] {
         let (mut t, mut primitive, mut instance, mut uv) = (vec![0.0; n], vec![0; n], vec![0; n], vec![[0.0; 2]; n]);
         let (mut occluded, mut counts) = (vec![false; n], vec![0; n]);
-        let lists = scene.all_hits_batch(&rays);
+        let lists = scene.all_hits_batch(&rays).expect("memory");
         let mut of_one = Vec::new();
         #[cfg(feature = "parallel")]
         {
-            assert_eq!(scene.par_all_hits_batch(&rays), lists);
+            assert_eq!(scene.par_all_hits_batch(&rays).as_ref(), Ok(&lists));
         }
         for threads in [false, true] {
             let mut hits =
@@ -358,7 +358,21 @@ fn empty_scenes_are_missed() {
         assert_eq!((scene.nearest_point(DVec3::ZERO, f64::INFINITY), scene.contains(DVec3::ZERO)), (None, false));
         assert_eq!(scene.signed_distance(DVec3::ZERO), None);
         let rays = RayBatch::new(&[][..] as &[[f64; 3]], &[][..] as &[[f64; 3]]).expect("a batch");
-        assert_eq!(scene.all_hits_batch(&rays).offsets, [0]);
+        assert_eq!(scene.all_hits_batch(&rays).map(|lists| lists.offsets), Ok(vec![0]));
+    }
+}
+
+/// More rays than there are addresses: one vector serves all of them.
+#[test]
+fn lists_without_memory_are_an_error() {
+    let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let scene = Scene::new(TriangleMesh::new(&vertices, &[[0, 1, 2]]).expect("a mesh")).expect("a scene");
+    for n in [1 << 60, usize::MAX] {
+        let down = Vectors::strided_f64(&[0.0, 0.0, -1.0], n, 0, 1).expect("vectors");
+        let rays = RayBatch::new(&[[0.1, 0.1, 1.0]][..], down).expect("a batch");
+        assert_eq!(scene.all_hits_batch(&rays), Err(BatchError::Memory));
+        #[cfg(feature = "parallel")]
+        assert_eq!(scene.par_all_hits_batch(&rays), Err(BatchError::Memory));
     }
 }
 
