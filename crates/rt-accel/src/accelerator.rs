@@ -212,7 +212,7 @@ pub trait Accelerator: Sync {
     }
 
     /// The nearest point of any primitive within `radius`, inclusive and possibly infinite. `None` without one, and for
-    /// NaN.
+    /// NaN. Primitives so far away that the square of their distance overflows do not count.
     fn nearest_point<P: ClosestPoint>(&self, primitives: &P, point: DVec3, radius: f64) -> Option<PointHit> {
         let mut query = Nearest::new(primitives, point, radius);
         let _ = self.traverse_region(&mut query);

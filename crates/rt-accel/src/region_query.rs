@@ -145,8 +145,9 @@ impl<P: ClosestPoint> RegionQuery for Nearest<'_, P> {
         // No point counts as nearer than the padded bounds, so that no box around them is culled too early.
         let own = padded_bounds(self.primitives, index).map_or(0.0, |own| own.distance_squared(self.point));
         let distance = point.distance_squared(self.point).max(own);
-        let wins =
-            distance < self.limit || (distance == self.limit && self.found.is_none_or(|(nearest, _)| index < nearest));
+        // An infinite square is of no distance that is known.
+        let is_tie = || distance.is_finite() && self.found.is_none_or(|(nearest, _)| index < nearest);
+        let wins = distance < self.limit || (distance == self.limit && is_tie());
         if wins {
             self.limit = distance;
             self.found = Some((index, point));

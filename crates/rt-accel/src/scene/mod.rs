@@ -4,7 +4,7 @@
 //!
 //! * `error`, `triangle_mesh`, `user_geometry`, `refit_tree`
 //! * `geometry` with its tree; `instances` as primitives of the top level
-//! * `ray_queries`: scenes, and queries along a ray; `points`: queries at a point; `batches`: queries for many rays
+//! * `ray_queries`: scenes, and queries along a ray; `points`: queries at a point, by `placed_points`; `batches`: queries for many rays
 //! * `builder`
 
 mod batches;
@@ -12,6 +12,7 @@ mod builder;
 mod error;
 mod geometry;
 mod instances;
+mod placed_points;
 mod points;
 mod ray_queries;
 mod refit_tree;

@@ -3,11 +3,12 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_geometry::{Hit, MAX_COORDINATE, is_on_triangle, nearest_on_triangle};
-use rt_math::{Aabb, Interval, Ray, Transform};
+use rt_geometry::{Hit, MAX_COORDINATE, is_on_triangle};
+use rt_math::{Aabb, Interval, Ray};
 
 use super::geometry::{Blas, Geometry};
-use super::instances::{Instance, Instances};
+use super::instances::Instances;
+use super::placed_points::{distance_to_box, nearest_of};
 use super::ray_queries::Scene;
 use super::triangle_mesh::TriangleMesh;
 use crate::ray_query::abort_without_memory;
@@ -30,6 +31,9 @@ impl Scene<'_> {
     /// The point of a surface nearest to `point`, within `radius`, inclusive and possibly infinite. Of equally near
     /// instances the first counts. `None` without one, and for a coordinate that is NaN or of a magnitude above
     /// [`MAX_COORDINATE`].
+    ///
+    /// Transforms may move instances farther away than that: the distance is finite and right to rounding of their
+    /// coordinates. An instance beyond the range of numbers has no nearest point.
     pub fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
         // Squared distances beyond overflow.
         if !point.abs().cmple(DVec3::splat(MAX_COORDINATE)).all() {
@@ -170,7 +174,7 @@ impl RegionQuery for NearestInstance<'_, '_> {
     }
 
     fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
-        let distance = aabb.distance_squared(self.point).sqrt();
+        let distance = distance_to_box(aabb, self.point);
         (distance <= self.radius).then_some(distance)
     }
 
@@ -182,75 +186,6 @@ impl RegionQuery for NearestInstance<'_, '_> {
         {
             self.radius = hit.distance;
             self.found = Some(PointHit { instance: instance.id, ..hit });
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// Nearest point of one instance in world space.
-fn nearest_of(geometry: &Blas<'_>, instance: &Instance, point: DVec3, radius: f64) -> Option<PointHit> {
-    let Some(transform) = &instance.world_from_local else { return geometry.nearest_point(point, radius) };
-    match &geometry.geometry {
-        Geometry::Mesh(mesh) => nearest_transformed(geometry, mesh, transform, point, radius),
-        Geometry::Spheres(_) => {
-            let scale = transform.uniform_scale()?;
-            // Wider than the rounding of both transforms; distances in world space decide.
-            let largest = point.abs().max_element() + transform.point(DVec3::ZERO).abs().max_element() + radius;
-            let radius_there = (radius + largest * 1e-12) / scale;
-            let hit = geometry.nearest_point(transform.inverse_point(point), radius_there)?;
-            let nearest = transform.point(hit.point);
-            let distance = nearest.distance(point);
-            (distance <= radius).then_some(PointHit { point: nearest, distance, ..hit })
-        }
-    }
-}
-
-fn nearest_transformed(
-    geometry: &Blas<'_>,
-    mesh: &TriangleMesh<'_>,
-    world_from_local: &Transform,
-    point: DVec3,
-    radius: f64,
-) -> Option<PointHit> {
-    let mut query = NearestTransformed { mesh, world_from_local, point, radius, found: None };
-    let _ = geometry.tree().traverse_region(&mut query);
-    query.found
-}
-
-/// The nearest point in world space of a mesh in its own space. Distances of boxes are those of their images, as a
-/// transform need not keep the order of distances.
-struct NearestTransformed<'q, 'a> {
-    mesh: &'q TriangleMesh<'a>,
-    world_from_local: &'q Transform,
-    point: DVec3,
-    radius: f64,
-    found: Option<PointHit>,
-}
-
-impl RegionQuery for NearestTransformed<'_, '_> {
-    fn bounds(&self) -> Aabb {
-        let region = SphereRegion { centre: self.point, radius: self.radius.next_up() }.bounds();
-        if region.is_finite() { self.world_from_local.inverse().aabb(&region) } else { region }
-    }
-
-    fn query_point(&self) -> DVec3 {
-        self.world_from_local.inverse_point(self.point)
-    }
-
-    fn distance_to(&self, aabb: &Aabb) -> Option<f64> {
-        let distance = self.world_from_local.aabb(aabb).distance_squared(self.point).sqrt();
-        (distance <= self.radius).then_some(distance)
-    }
-
-    fn test_primitive(&mut self, index: u32, _: impl FnOnce(DVec3) -> bool) -> ControlFlow<()> {
-        let Some(triangle) = self.mesh.triangle(index) else { return ControlFlow::Continue(()) };
-        let nearest = nearest_on_triangle(triangle.map(|vertex| self.world_from_local.point(vertex)), self.point);
-        let distance = nearest.distance(self.point);
-        let wins =
-            distance < self.radius || (distance == self.radius && self.found.is_none_or(|best| index < best.primitive));
-        if wins {
-            self.radius = distance;
-            self.found = Some(PointHit { point: nearest, distance, instance: 0, primitive: index });
         }
         ControlFlow::Continue(())
     }

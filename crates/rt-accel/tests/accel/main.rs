@@ -5,6 +5,7 @@
 mod batches;
 mod degenerate;
 mod differential;
+mod distant_instances;
 mod field_cases;
 mod grazing_rays;
 mod lazy;
