@@ -1,5 +1,6 @@
 """Type hints of the package, as users see them."""
 
+from pathlib import Path
 from typing import get_args, get_type_hints
 
 import pytest
@@ -62,3 +63,10 @@ def test_mypy_accepts_what_the_package_accepts(tmp_path):
         path.write_text(text)
         report, _, _ = api.run(["--strict", "--cache-dir", str(tmp_path / "cache"), str(path)])
         assert report.count(" error: ") == n_errors, report
+
+
+def test_mypy_accepts_the_package_itself(tmp_path):
+    api = pytest.importorskip("mypy.api")
+    package = Path(__file__).parent.parent / "python" / "rt"
+    report, _, _ = api.run(["--strict", "--cache-dir", str(tmp_path / "cache"), str(package)])
+    assert report.count(" error: ") == 0, report

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import operator
 from numbers import Integral, Real
+from typing import Any, SupportsIndex
 
 import numpy as np
+from numpy.typing import NDArray
+
+_ONE_OR_EACH = "must be a number, or an array of one for each"
+
+#: Numbers of any type.
+Array = NDArray[Any]
+Shape = tuple[int, ...]
 
 
-def numbers(what, values, expected="must be numbers"):
+def numbers(what: str, values: object, expected: str = "must be numbers") -> Array:
     """Array of real numbers of any type and shape."""
     if np.ma.is_masked(values):
         raise ValueError(f"{what} has masked numbers: fill or remove them")
@@ -25,7 +33,7 @@ def numbers(what, values, expected="must be numbers"):
     return array
 
 
-def _of_objects(array):
+def _of_objects(array: Array) -> Array:
     """Real numbers of an array of objects: integers if 64 bits hold all of them."""
     if array.size and all(isinstance(value, Integral) for value in array.flat):
         try:
@@ -35,12 +43,12 @@ def _of_objects(array):
     return array.astype(np.float64)
 
 
-def aligned(array):
+def aligned(array: Array) -> Array:
     """The array, or a copy if its numbers lie at addresses that are no multiples of their size."""
     return array if array.flags.aligned else array.copy()
 
 
-def vectors(what, values):
+def vectors(what: str, values: object) -> Array:
     """Array of shape (..., 3) in single or double precision, without a copy if it has one of them and is aligned."""
     array = numbers(what, values)
     if array.dtype != np.float32 and array.dtype != np.float64:
@@ -54,19 +62,18 @@ def vectors(what, values):
     return aligned(array)
 
 
-def rays(origins, directions):
+def rays(origins: object, directions: object) -> tuple[Array, Array, Shape]:
     """Origins and directions of shape (n, 3), with n = 1 for one that serves all rays, and the shape of the results."""
-    origins = vectors("origins", origins)
-    directions = vectors("directions", directions)
+    starts, along = vectors("origins", origins), vectors("directions", directions)
     try:
-        shape = np.broadcast_shapes(origins.shape[:-1], directions.shape[:-1])
+        shape = np.broadcast_shapes(starts.shape[:-1], along.shape[:-1])
     except ValueError as error:
-        message = f"origins of shape {origins.shape} and directions of shape {directions.shape} do not fit together"
+        message = f"origins of shape {starts.shape} and directions of shape {along.shape} do not fit together"
         raise ValueError(message) from error
-    return _rows(origins, shape), _rows(directions, shape), shape
+    return _rows(starts, shape), _rows(along, shape), shape
 
 
-def _rows(array, shape):
+def _rows(array: Array, shape: Shape) -> Array:
     if array.size == 3:
         return array.reshape(1, 3)
     if array.shape[:-1] != shape:
@@ -74,11 +81,15 @@ def _rows(array, shape):
     return array.reshape(-1, 3)
 
 
-def parameters(what, values, shape):
+def parameters(what: str, values: object, shape: Shape) -> float | Array:
     """One number for all rays, or a contiguous, aligned array of one for each."""
-    array = numbers(what, values, "must be a number, or an array of one for each")
-    if array.ndim == 0:
-        return number(what, array)
+    array = numbers(what, values, _ONE_OR_EACH)
+    return number(what, array) if array.ndim == 0 else one_for_each(what, array, shape)
+
+
+def one_for_each(what: str, values: object, shape: Shape) -> Array:
+    """A contiguous, aligned array of one number for each; a single number serves all."""
+    array = np.atleast_1d(numbers(what, values, _ONE_OR_EACH))
     try:
         each = np.broadcast_to(array.astype(np.float64, copy=False), shape).reshape(-1)
         return np.require(each, requirements=["C", "A"])
@@ -86,7 +97,7 @@ def parameters(what, values, shape):
         raise ValueError(f"{what} of shape {array.shape} does not fit the shape {shape}: one number each is needed") from error
 
 
-def number(what, value):
+def number(what: str, value: object) -> float:
     """A number that is not NaN."""
     array = numbers(what, value, "must be a number")
     if array.ndim != 0 or np.isnan(array):
@@ -94,7 +105,7 @@ def number(what, value):
     return float(array)
 
 
-def positive(what, value, below=np.inf):
+def positive(what: str, value: object, below: float = np.inf) -> float:
     """A number between zero and a bound, both exclusive."""
     result = number(what, value)
     if not 0 < result < below:
@@ -103,18 +114,19 @@ def positive(what, value, below=np.inf):
     return result
 
 
-def integer(what, value, least, most):
+def integer(what: str, value: SupportsIndex, least: int, most: int) -> int:
     """An integer in a range."""
+    message = f"{what} must be an integer from {least} to {most}, not {value!r}"
     try:
         result = operator.index(value)
     except TypeError:
-        result = None
-    if result is None or not least <= result <= most:
-        raise ValueError(f"{what} must be an integer from {least} to {most}, not {value!r}")
+        raise ValueError(message) from None
+    if not least <= result <= most:
+        raise ValueError(message)
     return result
 
 
-def faces(values):
+def faces(values: object) -> Array:
     """Triangles of shape (n, 3) as indices of 32 bits."""
     array = numbers("faces", values)
     if array.size == 0:
@@ -137,11 +149,11 @@ def faces(values):
 MAX_THREADS = 1024
 
 
-def thread_count(threads):
+def thread_count(threads: SupportsIndex | None) -> int:
     """0 for all processors."""
     return 0 if threads is None else integer("threads", threads, 1, MAX_THREADS)
 
 
-def ids(array, shape):
+def ids(array: Array, shape: Shape) -> NDArray[np.int32]:
     """Numbers of 32 bits with -1 for nothing, in the same memory."""
     return array.view(np.int32).reshape(shape)

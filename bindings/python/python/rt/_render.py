@@ -5,16 +5,21 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, SupportsFloat, SupportsIndex
+from typing import Any, Concatenate, Literal, NamedTuple, ParamSpec, SupportsFloat, SupportsIndex, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _rt, _scene_file
 from ._scene import Scene, Spheres, TriangleMesh
+
+_Value = TypeVar("_Value")
+_Checked = TypeVar("_Checked")
+_Limits = ParamSpec("_Limits")
 
 
 class Image(np.ndarray):
@@ -44,26 +49,26 @@ class Image(np.ndarray):
     samples_per_pixel: float | None
     stopped: str | None
 
-    def __array_finalize__(self, source):
+    def __array_finalize__(self, source: object) -> None:
         vars(self).update(dict.fromkeys(("statistics", "error", "error_interval", "samples_per_pixel", "stopped")))
 
-    def copy(self, order: str = "C") -> Image:
+    def copy(self, order: Literal["K", "A", "C", "F"] | None = "C") -> Image:
         """Copy of the pixels and the attributes."""
         copied = super().copy(order)
         vars(copied).update(deepcopy(vars(self)))
         return copied
 
-    def __copy__(self):
+    def __copy__(self) -> Image:
         return self.copy("K")
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: object) -> Image:
         return self.copy("K")
 
-    def __reduce__(self):
-        function, arguments, state = super().__reduce__()
+    def __reduce__(self) -> tuple[Any, ...]:
+        function, arguments, state = tuple(super().__reduce__())
         return function, arguments, (state, vars(self))
 
-    def __setstate__(self, state):
+    def __setstate__(self, state: Any) -> None:
         array, attributes = state
         super().__setstate__(array)
         vars(self).update(attributes)
@@ -133,7 +138,8 @@ def render(
 
     A signal handler may end the render by an exception, as Ctrl-C does.
     """
-    options = dict(
+    rendered = partial(
+        _rt.render,
         spp=_optional(_arrays.integer, "spp", spp, 1, 2**32 - 1),
         size=_optional(_size, "size", size),
         seed=_optional(_arrays.integer, "seed", seed, 0, 2**64 - 1),
@@ -150,13 +156,13 @@ def render(
         with tempfile.TemporaryDirectory() as folder:
             path = _scene_file.write(Path(folder), scene, camera)
             try:
-                rendering = _rt.render(os.fspath(path), **options)
+                rendering = rendered(os.fspath(path))
             except ValueError as error:
                 raise ValueError(_of_arguments(str(error), folder)) from None
     elif camera:
         raise ValueError("look_from, look_at, up and fov are for geometry; a scene file has cameras of its own")
     else:
-        rendering = _rt.render(os.fspath(scene), **options)
+        rendering = rendered(os.fspath(scene))
     image = rendering.pixels().reshape(rendering.height, rendering.width, 3).view(Image)
     image.statistics = dict(rendering.statistics)
     image.error, image.error_interval = rendering.error or (None, None)
@@ -165,7 +171,7 @@ def render(
     return image
 
 
-def _of_arguments(message, folder):
+def _of_arguments(message: str, folder: str) -> str:
     """Message about the files in a temporary folder, in terms of the arguments of `render`."""
     message = re.sub(rf"{re.escape(folder)}\S*?: ", "", message)
     # Excerpts of the scene file: a line of text, and a line that marks the place.
@@ -174,11 +180,17 @@ def _of_arguments(message, folder):
     return re.sub(r"^(nodes|groups)[^:\n]*: ", "scene: ", message, flags=re.M)
 
 
-def _optional(check, what, value, *limits):
-    return None if value is None else check(what, value, *limits)
+def _optional(
+    check: Callable[Concatenate[str, _Value, _Limits], _Checked],
+    what: str,
+    value: _Value | None,
+    *limits: _Limits.args,
+    **options: _Limits.kwargs,
+) -> _Checked | None:
+    return None if value is None else check(what, value, *limits, **options)
 
 
-def _size(what, size):
+def _size(what: str, size: Iterable[SupportsIndex]) -> tuple[int, int]:
     try:
         width, height = size
     except (TypeError, ValueError):
@@ -211,12 +223,12 @@ def _camera(
     return camera
 
 
-def _unit(vector):
+def _unit(vector: NDArray[np.float64]) -> NDArray[Any]:
     """The vector divided by its largest coordinate, so that products stay in range."""
     return vector / (np.abs(vector).max() or 1.0)
 
 
-def _point(what, value):
+def _point(what: str, value: ArrayLike) -> NDArray[np.float64]:
     point = _arrays.vectors(what, value).astype(np.float64)
     if point.shape != (3,):
         raise ValueError(f"{what} must be one point, not an array of shape {point.shape}")
@@ -277,8 +289,8 @@ def converge(
     list of ConvergenceRow
     """
     most = 2**32 - 1
-    spp = [_arrays.integer("spp", count, 1, most) for count in spp]
-    if not spp:
+    sample_counts = [_arrays.integer("spp", count, 1, most) for count in spp]
+    if not sample_counts:
         raise ValueError("spp must hold a number of samples")
     seeds = _arrays.integer("seeds", seeds, 1, most)
     # Each image needs it: an iterator would be empty after the first one.
@@ -288,23 +300,26 @@ def converge(
     if first_seed + seeds >= 2**64:
         message = f"seed {first_seed} is too large for {seeds} seeds: the reference has the seed {first_seed + seeds}"
         raise ValueError(f"{message}, and the largest one is {2**64 - 1}")
-    reference_spp = _optional(_arrays.integer, "reference_spp", reference_spp, 1, most) or min(16 * max(spp), most)
+    of_caller = _optional(_arrays.integer, "reference_spp", reference_spp, 1, most)
+    samples = of_caller or min(16 * max(sample_counts), most)
     # A seed of its own: a reference from the same samples would look closer than it is. All of its samples are taken.
     of_reference = {name: value for name, value in options.items() if name not in ("time", "target_error")}
-    reference = np.asarray(render(scene, spp=reference_spp, seed=first_seed + seeds, **of_reference), dtype=np.float64)
+    reference = np.asarray(render(scene, spp=samples, seed=first_seed + seeds, **of_reference), dtype=np.float64)
     mean = reference.mean()
     scale = mean if mean > 0 else np.nan
     rows = []
-    for count in spp:
+    for count in sample_counts:
         squares, biases, seconds, estimates, counts = [], [], [], [], []
         for seed in range(first_seed, first_seed + seeds):
             image = render(scene, spp=count, seed=seed, **options)
             difference = np.asarray(image, dtype=np.float64) - reference
             squares.append(np.mean(difference**2))
             biases.append(difference.mean())
-            seconds.append(image.statistics["render_seconds"])
             estimates.append(image.error)
-            counts.append(image.samples_per_pixel)
+            # Only arrays that are made from an image have none.
+            if image.statistics is not None and image.samples_per_pixel is not None:
+                seconds.append(image.statistics["render_seconds"])
+                counts.append(image.samples_per_pixel)
         known = [error for error in estimates if error is not None]
         rows.append(
             ConvergenceRow(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Mapping
-from typing import Any, SupportsFloat, SupportsIndex
+from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _rt
 from ._locks import Lock
 from ._results import AllHits, Hits, NearestPoints
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class _Queries:
@@ -204,8 +207,10 @@ class _Geometry(_Queries):
     __slots__ = ("__weakref__", "_geometry", "_lock", "_scene", "quality")
 
     quality: str
+    _geometry: _rt.Mesh | _rt.SphereSet
+    _scene: _rt.Scene | None
 
-    def __init__(self, geometry, quality):
+    def __init__(self, geometry: _rt.Mesh | _rt.SphereSet, quality: str) -> None:
         self._geometry = geometry
         self._lock = Lock(reentrant=True)
         self._scene = None
@@ -218,25 +223,27 @@ class _Geometry(_Queries):
                 self._scene = _rt.Scene([(0, self._geometry)], [(0, None)], self.quality)
             return self._scene
 
-    def _arguments(self):
+    def _arguments(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """Arrays of which the class makes an equal geometry."""
         raise NotImplementedError
 
     def __bool__(self) -> bool:
         return True
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _geometry_from, (type(self), self._arguments(), self.quality)
 
     # A geometry never changes.
-    def __copy__(self):
+    def __copy__(self) -> Self:
         return self
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: object) -> Self:
         return self
 
 
-def _geometry_from(of_type, arguments, quality):
+def _geometry_from(
+    of_type: type[TriangleMesh] | type[Spheres], arguments: tuple[NDArray[Any], NDArray[Any]], quality: str
+) -> TriangleMesh | Spheres:
     """The geometry of a pickle."""
     return of_type(*arguments, quality=quality)
 
@@ -270,26 +277,27 @@ class TriangleMesh(_Geometry):
 
     __slots__ = ("n_faces", "n_vertices")
 
+    _geometry: _rt.Mesh
+
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, quality: str = "balanced") -> None:
-        vertices = self._checked(vertices)
-        faces = _arrays.faces(faces)
-        super().__init__(_rt.Mesh(vertices, faces), quality)
-        self.n_vertices = len(vertices)
-        self.n_faces = len(faces)
+        corners, triangles = self._checked(vertices), _arrays.faces(faces)
+        super().__init__(_rt.Mesh(corners, triangles), quality)
+        self.n_vertices = len(corners)
+        self.n_faces = len(triangles)
 
     @staticmethod
-    def _checked(vertices):
-        vertices = _arrays.numbers("vertices", vertices)
-        vertices = _arrays.vectors("vertices", vertices if vertices.size else np.empty((0, 3)))
-        if vertices.ndim != 2:
-            raise ValueError(f"vertices must have the shape (n, 3), not {vertices.shape}")
-        return vertices
+    def _checked(vertices: ArrayLike) -> NDArray[Any]:
+        array = _arrays.numbers("vertices", vertices)
+        array = _arrays.vectors("vertices", array if array.size else np.empty((0, 3)))
+        if array.ndim != 2:
+            raise ValueError(f"vertices must have the shape (n, 3), not {array.shape}")
+        return array
 
-    def _with_vertices(self, vertices):
-        vertices = self._checked(vertices)
+    def _with_vertices(self, vertices: ArrayLike) -> TriangleMesh:
+        array = self._checked(vertices)
         mesh = TriangleMesh.__new__(TriangleMesh)
-        _Geometry.__init__(mesh, self._geometry.with_vertices(vertices), self.quality)
-        mesh.n_vertices, mesh.n_faces = len(vertices), self.n_faces
+        _Geometry.__init__(mesh, self._geometry.with_vertices(array), self.quality)
+        mesh.n_vertices, mesh.n_faces = len(array), self.n_faces
         return mesh
 
     @property
@@ -302,7 +310,7 @@ class TriangleMesh(_Geometry):
         """Copy of the faces."""
         return self._geometry.faces().reshape(-1, 3)
 
-    def _arguments(self):
+    def _arguments(self) -> tuple[NDArray[Any], NDArray[Any]]:
         return self.vertices, self.faces
 
     def __len__(self) -> int:
@@ -330,12 +338,12 @@ class Spheres(_Geometry):
 
     __slots__ = ("n_spheres",)
 
+    _geometry: _rt.SphereSet
+
     def __init__(self, centres: ArrayLike, radii: ArrayLike, *, quality: str = "balanced") -> None:
-        centres = np.ascontiguousarray(_arrays.vectors("centres", centres).reshape(-1, 3), dtype=np.float64)
-        radii = np.atleast_1d(_arrays.numbers("radii", radii, "must be a number, or an array of one for each"))
-        radii = _arrays.parameters("radii", radii, (len(centres),))
-        super().__init__(_rt.SphereSet(centres, radii), quality)
-        self.n_spheres = len(centres)
+        points = np.ascontiguousarray(_arrays.vectors("centres", centres).reshape(-1, 3), dtype=np.float64)
+        super().__init__(_rt.SphereSet(points, _arrays.one_for_each("radii", radii, (len(points),))), quality)
+        self.n_spheres = len(points)
 
     @property
     def centres(self) -> NDArray[np.float64]:
@@ -347,7 +355,7 @@ class Spheres(_Geometry):
         """Copy of the radii."""
         return self._geometry.numbers().reshape(-1, 4)[:, 3]
 
-    def _arguments(self):
+    def _arguments(self) -> tuple[NDArray[Any], NDArray[Any]]:
         return self.centres, self.radii
 
     def __len__(self) -> int:
@@ -373,12 +381,12 @@ class Instance:
     def __init__(self, geometry: TriangleMesh | Spheres, transform: ArrayLike) -> None:
         if not isinstance(geometry, _Geometry):
             raise TypeError(f"an instance takes a TriangleMesh or Spheres, not {type(geometry).__name__}")
-        transform = _arrays.numbers("a transform", transform).astype(np.float64)
-        if transform.shape != (4, 4):
-            raise ValueError(f"a transform has the shape (4, 4), not {transform.shape}")
-        transform.setflags(write=False)
+        matrix = _arrays.numbers("a transform", transform).astype(np.float64)
+        if matrix.shape != (4, 4):
+            raise ValueError(f"a transform has the shape (4, 4), not {matrix.shape}")
+        matrix.setflags(write=False)
         self._geometry = geometry
-        self._transform = transform
+        self._transform = matrix
 
     @property
     def geometry(self) -> TriangleMesh | Spheres:
@@ -390,20 +398,20 @@ class Instance:
         """The matrix, which is read-only. `Scene.update` moves objects of a scene."""
         return self._transform
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.geometry, self.transform)
 
-    def __copy__(self):
+    def __copy__(self) -> Self:
         return self
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: object) -> Self:
         return self
 
     def __repr__(self) -> str:
         return f"rt.Instance({self.geometry!r}, {self.transform.tolist()})"
 
 
-def _number(value):
+def _number(value: SupportsIndex) -> int:
     """Number of an object of a scene."""
     try:
         return operator.index(value)
@@ -411,7 +419,7 @@ def _number(value):
         raise ValueError(f"numbers of objects are integers, not {value!r}") from None
 
 
-def _geometry_of(item):
+def _geometry_of(item: TriangleMesh | Spheres | Instance) -> TriangleMesh | Spheres:
     return item.geometry if isinstance(item, Instance) else item
 
 
@@ -448,27 +456,30 @@ class Scene(_Queries):
             objects = [objects]
         self._lock = Lock()
         # By identity: the geometries that are placed, with their keys. Keys are not used again.
-        self._geometries: dict[int, tuple[int, _Geometry]] = {}
+        self._geometries: dict[int, tuple[int, TriangleMesh | Spheres]] = {}
         self._n_geometries = 0
         self._objects: dict[int, TriangleMesh | Spheres | Instance] = dict(enumerate(objects))
         self._scene = _rt.Scene(*self._added(self._objects.values(), ""), quality)
         self._quality = quality
 
-    def _added(self, objects, argument):
+    def _added(
+        self, objects: Iterable[TriangleMesh | Spheres | Instance], argument: str
+    ) -> tuple[list[tuple[int, _rt.Mesh | _rt.SphereSet]], list[tuple[int, NDArray[np.float64] | None]]]:
         """New geometries with their keys, and the key of the geometry and the transform of each object.
 
         `argument` names the list of objects in messages.
         """
-        geometries, instances = [], []
+        geometries: list[tuple[int, _rt.Mesh | _rt.SphereSet]] = []
+        instances: list[tuple[int, NDArray[np.float64] | None]] = []
         for i, item in enumerate(objects):
-            geometry, transform = (item.geometry, item.transform) if isinstance(item, Instance) else (item, None)
+            geometry = _geometry_of(item)
             if not isinstance(geometry, _Geometry):
                 raise TypeError(f"object {i}{argument} is a {type(item).__name__}, not a TriangleMesh, Spheres or Instance")
             if id(geometry) not in self._geometries:
                 self._geometries[id(geometry)] = (self._n_geometries, geometry)
                 geometries.append((self._n_geometries, geometry._geometry))
                 self._n_geometries += 1
-            instances.append((self._geometries[id(geometry)][0], transform))
+            instances.append((self._geometries[id(geometry)][0], item.transform if isinstance(item, Instance) else None))
         return geometries, instances
 
     def update(
@@ -525,21 +536,27 @@ class Scene(_Queries):
         >>> scene.closest([0, 0, 5], [0, 0, -1]).t
         array(4.)
         """
-        insert = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
-        remove = [_number(number) for number in remove]
-        transforms = {_number(number): matrix for number, matrix in (transforms or {}).items()}
-        vertices = {_number(number): of_mesh for number, of_mesh in (vertices or {}).items()}
+        inserted = [insert] if isinstance(insert, (_Geometry, Instance)) else list(insert)
+        removed = [_number(number) for number in remove]
+        matrices = {_number(number): matrix for number, matrix in (transforms or {}).items()}
+        of_meshes = {_number(number): of_mesh for number, of_mesh in (vertices or {}).items()}
         with self._lock:
-            return self._update(insert, remove, transforms, vertices)
+            return self._update(inserted, removed, matrices, of_meshes)
 
-    def _update(self, insert, remove, transforms, vertices):
+    def _update(
+        self,
+        insert: list[TriangleMesh | Spheres | Instance],
+        remove: list[int],
+        transforms: dict[int, ArrayLike],
+        vertices: dict[int, ArrayLike],
+    ) -> list[int]:
         changed = Scene.__new__(Scene)
         changed._geometries, changed._n_geometries = dict(self._geometries), self._n_geometries
         changed._objects = dict(self._objects)
         for number in (*vertices, *transforms, *remove):
             if number not in self._objects:
                 raise KeyError(f"there is no object {number}")
-        first = {}
+        first: dict[int, int] = {}
         for number in vertices:
             other = first.setdefault(id(_geometry_of(self._objects[number])), number)
             if other != number:
@@ -559,7 +576,7 @@ class Scene(_Queries):
         self._geometries, self._n_geometries, self._scene = changed._geometries, changed._n_geometries, scene
         return numbers
 
-    def _set_vertices(self, number, vertices):
+    def _set_vertices(self, number: int, vertices: ArrayLike) -> tuple[int, _rt.Mesh]:
         """Replaces the mesh of an object and of all that share it. Returns its key and the new arrays."""
         item = self._objects[number]
         old = _geometry_of(item)
@@ -578,7 +595,7 @@ class Scene(_Queries):
                 self._objects[other] = Instance(new, placed.transform)
         return index, new._geometry
 
-    def _set_transform(self, number, transform):
+    def _set_transform(self, number: int, transform: ArrayLike) -> tuple[int, NDArray[np.float64]]:
         item = self._objects[number]
         try:
             moved = Instance(_geometry_of(item), transform)
@@ -587,7 +604,7 @@ class Scene(_Queries):
         self._objects[number] = moved
         return number, moved.transform
 
-    def _drop_unused(self):
+    def _drop_unused(self) -> list[int]:
         """Removes geometries without objects. Returns their keys."""
         used = {id(_geometry_of(item)) for item in self._objects.values()}
         unused = {key: index for key, (index, _) in self._geometries.items() if key not in used}
@@ -614,11 +631,11 @@ class Scene(_Queries):
     def __bool__(self) -> bool:
         return True
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         with self._lock:
             return _scene_from, (type(self), dict(self._objects), self._quality)
 
-    def __copy__(self):
+    def __copy__(self) -> Self:
         copied = type(self).__new__(type(self))
         copied._lock = Lock()
         with self._lock:
@@ -626,7 +643,7 @@ class Scene(_Queries):
             copied._objects, copied._scene, copied._quality = dict(self._objects), self._scene, self._quality
         return copied
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: object) -> Self:
         # Geometries, instances and trees never change.
         return self.__copy__()
 
@@ -634,7 +651,9 @@ class Scene(_Queries):
         return f"<rt.Scene: {len(self._objects)} objects>"
 
 
-def _scene_from(of_type, objects, quality):
+def _scene_from(
+    of_type: type[Scene], objects: dict[int, TriangleMesh | Spheres | Instance], quality: str
+) -> Scene:
     """The scene of a pickle: objects by number."""
     nothing = Spheres([], [])
     unused = [number for number in range(max(objects, default=-1)) if number not in objects]

@@ -13,20 +13,23 @@ array([ 0.5, -0.5])
 
 from __future__ import annotations
 
-from typing import Any, SupportsIndex
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import rt
 from rt import _arrays, _rt
 from rt._locks import Lock
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
 #: More than any mesh has.
 _NO_LIMIT = 2**63 - 1
 
 
-def _floats(values):
+def _floats(values: ArrayLike) -> NDArray[Any]:
     """The values as an array of doubles. Single precision stays as it is: it is converted without rounding later."""
     array = np.asarray(values)
     return _arrays.aligned(array if array.dtype == np.float32 else array.astype(np.float64, copy=False))
@@ -49,7 +52,14 @@ class RayMeshIntersector:
         Number of threads, by default all processors.
     """
 
-    def __init__(self, mesh=None, scale_to_box: bool = True, *, geometry=None, threads: SupportsIndex | None = None):
+    def __init__(
+        self,
+        mesh: Any = None,
+        scale_to_box: bool = True,
+        *,
+        geometry: Any = None,
+        threads: SupportsIndex | None = None,
+    ) -> None:
         self.mesh = geometry if mesh is None else mesh
         if self.mesh is None:
             raise TypeError("a RayMeshIntersector takes a mesh")
@@ -57,9 +67,9 @@ class RayMeshIntersector:
         self._threads = threads
         self._thread_count = _arrays.thread_count(threads)
         self._lock = Lock()
-        self._built = None
+        self._built: tuple[int, rt.TriangleMesh] | None = None
 
-    def _tree(self):
+    def _tree(self) -> rt.TriangleMesh:
         key = hash(self.mesh)
         with self._lock:
             if self._built is None or self._built[0] != key:
@@ -67,7 +77,7 @@ class RayMeshIntersector:
             return self._built[1]
 
     @staticmethod
-    def _rays(ray_origins, ray_directions):
+    def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         origins, directions = _floats(ray_origins), _floats(ray_directions)
         if origins.size == 0 and directions.size == 0:
             return np.empty((0, 3)), np.empty((0, 3))
@@ -168,21 +178,21 @@ class RayMeshIntersector:
         -------
         ndarray of bool, shape (n,)
         """
-        points = np.asarray(points, dtype=np.float64)
-        if points.size == 0:
+        array = np.asarray(points, dtype=np.float64)
+        if array.size == 0:
             return np.zeros(0, dtype=bool)
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise ValueError(f"points must have the shape (n, 3), not {points.shape}")
-        return self._tree().contains(points, threads=self._threads)
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise ValueError(f"points must have the shape (n, 3), not {array.shape}")
+        return self._tree().contains(array, threads=self._threads)
 
-    def __getstate__(self):
+    def __getstate__(self) -> dict[str, Any]:
         return {"mesh": self.mesh, "scale_to_box": self._scale_to_box, "threads": self._threads}
 
-    def __setstate__(self, state):
-        self.__init__(**state)
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        RayMeshIntersector.__init__(self, **state)
 
-    def __copy__(self):
+    def __copy__(self) -> Self:
         return type(self)(**self.__getstate__())
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: object) -> Self:
         return self.__copy__()
