@@ -16,13 +16,22 @@ pub(super) fn read_vectors<const N: usize>(
     accessor: &Accessor<'_>,
     buffers: &Buffers<'_>,
 ) -> Result<Vec<[f32; N]>, LoadError> {
+    read_some_vectors(accessor, None, buffers)
+}
+
+/// Version of [`read_vectors`] for elements at ascending indices, which must be less than the count; `None` for all.
+pub(super) fn read_some_vectors<const N: usize>(
+    accessor: &Accessor<'_>,
+    selected: Option<&[u32]>,
+    buffers: &Buffers<'_>,
+) -> Result<Vec<[f32; N]>, LoadError> {
     let components = accessor.dimensions().multiplicity();
     if components != N {
         let message = format!("has {components} components, where {N} are needed");
         return Err(fail(accessor, buffers, LoadErrorKind::Syntax(message)));
     }
     let (kind, normalized) = (accessor.data_type(), accessor.normalized());
-    read(accessor, buffers, [0.0; N], |bytes| {
+    read(accessor, selected, buffers, [0.0; N], |bytes| {
         let mut parts = bytes.chunks_exact(kind.size());
         std::array::from_fn(|_| parts.next().map_or(0.0, |part| number(part, kind, normalized)))
     })
@@ -35,11 +44,12 @@ pub(super) fn read_indices(accessor: &Accessor<'_>, buffers: &Buffers<'_>) -> Re
         let message = format!("indices must be unsigned scalars, not {:?} of {kind:?}", accessor.dimensions());
         return Err(fail(accessor, buffers, LoadErrorKind::Syntax(message)));
     }
-    read(accessor, buffers, 0, unsigned)
+    read(accessor, None, buffers, 0, unsigned)
 }
 
 fn read<T: Copy>(
     accessor: &Accessor<'_>,
+    selected: Option<&[u32]>,
     buffers: &Buffers<'_>,
     zero: T,
     decode: impl Fn(&[u8]) -> T,
@@ -49,13 +59,19 @@ fn read<T: Copy>(
         return Err(fail(accessor, buffers, LoadErrorKind::Syntax("the count must be at least 1".to_owned())));
     }
     let mut elements = match accessor.view() {
-        Some(view) => Items::new(&view, accessor.offset(), count, size, buffers)?.decode(&decode),
+        Some(view) => {
+            let items = Items::new(&view, accessor.offset(), count, size, buffers)?;
+            match selected {
+                Some(selected) => items.decode(selected.iter().map(|i| *i as usize), &decode),
+                None => items.decode_all(&decode),
+            }
+        }
         None => {
             let (what, limit) = ("the count without a bufferView", limits::GLTF_ZEROS as u64);
             LoadErrorKind::check_limit(what, count as u64, limit)
                 .and_then(|()| buffers.count_zeros(count as u64))
                 .map_err(|reason| fail(accessor, buffers, reason))?;
-            vec![zero; count]
+            vec![zero; selected.map_or(count, <[u32]>::len)]
         }
     };
     if let Some(sparse) = accessor.sparse() {
@@ -66,13 +82,17 @@ fn read<T: Copy>(
             IndexType::U32 => 4,
         };
         let places =
-            Items::new(&indices.view(), indices.offset(), sparse.count(), index_size, buffers)?.decode(unsigned);
-        let values = Items::new(&values.view(), values.offset(), sparse.count(), size, buffers)?.decode(&decode);
+            Items::new(&indices.view(), indices.offset(), sparse.count(), index_size, buffers)?.decode_all(unsigned);
+        let values = Items::new(&values.view(), values.offset(), sparse.count(), size, buffers)?.decode_all(&decode);
         for (place, value) in places.into_iter().zip(values) {
-            *elements.get_mut(place as usize).ok_or_else(|| {
+            if place as usize >= count {
                 let rule = format!("is a sparse index, but there are {count} elements");
-                fail(accessor, buffers, LoadErrorKind::invalid(place, rule))
-            })? = value;
+                return Err(fail(accessor, buffers, LoadErrorKind::invalid(place, rule)));
+            }
+            let index = selected.map_or(Ok(place as usize), |selected| selected.binary_search(&place));
+            if let Some(element) = index.ok().and_then(|index| elements.get_mut(index)) {
+                *element = value;
+            }
         }
     }
     Ok(elements)
@@ -117,8 +137,13 @@ impl<'a> Items<'a> {
         }
     }
 
-    fn decode<T>(&self, decode: impl Fn(&[u8]) -> T) -> Vec<T> {
-        (0..self.count).map(|i| decode(&self.bytes[i * self.stride..][..self.size])).collect()
+    fn decode_all<T>(&self, decode: impl Fn(&[u8]) -> T) -> Vec<T> {
+        self.decode(0..self.count, decode)
+    }
+
+    /// Decodes the items at these indices, which must be less than the count.
+    fn decode<T>(&self, indices: impl Iterator<Item = usize>, decode: impl Fn(&[u8]) -> T) -> Vec<T> {
+        indices.map(|i| decode(&self.bytes[i * self.stride..][..self.size])).collect()
     }
 }
 

@@ -3,9 +3,10 @@
 use gltf::{Primitive, Semantic};
 
 use super::{
-    accessor::{read_indices, read_vectors},
+    accessor::{read_indices, read_some_vectors, read_vectors},
     buffers::Buffers,
     draco::DecodedPrimitive,
+    used_vertices::UsedVertices,
 };
 use crate::error::ErrorAt;
 use crate::{LoadError, LoadErrorKind};
@@ -16,19 +17,24 @@ pub(super) struct Attributes<'a> {
     buffers: &'a Buffers<'a>,
     place: &'a str,
     stream: Option<DecodedPrimitive>,
+    /// `None` if all vertices are read.
+    used: Option<UsedVertices>,
 }
 
 impl<'a> Attributes<'a> {
-    /// Decodes the stream of a compressed primitive, unless it also has uncompressed positions.
+    /// Decodes the stream of a compressed primitive, unless it also has uncompressed positions. `is_deformed` primitives have all
+    /// of their vertices.
     pub(super) fn of(
         primitive: &'a Primitive<'a>,
         buffers: &'a Buffers<'a>,
         place: &'a str,
+        is_deformed: bool,
     ) -> Result<Self, LoadError> {
         let is_plain = |accessor: gltf::Accessor<'_>| accessor.view().is_some() || accessor.sparse().is_some();
         let plain = primitive.get(&Semantic::Positions).is_some_and(is_plain);
         let stream = if plain { None } else { DecodedPrimitive::of(primitive, buffers, place)? };
-        Ok(Self { primitive, buffers, place, stream })
+        let used = if plain && !is_deformed { UsedVertices::of(primitive, buffers) } else { None };
+        Ok(Self { primitive, buffers, place, stream, used })
     }
 
     /// Vectors of `N` components; `None` if the primitive does not have the attribute.
@@ -41,7 +47,12 @@ impl<'a> Attributes<'a> {
                 return Ok(found);
             }
         }
-        read_vectors(&accessor, self.buffers).map(Some)
+        let Some(used) = &self.used else { return read_vectors(&accessor, self.buffers).map(Some) };
+        if accessor.count() != used.all {
+            let rule = format!("elements of an attribute do not fit {} positions", used.all);
+            return Err(LoadErrorKind::invalid(accessor.count(), rule).at(self.buffers.path(), self.place));
+        }
+        read_some_vectors(&accessor, Some(&used.vertices), self.buffers).map(Some)
     }
 
     /// Colours with alpha, which is 1 where the file has none.
@@ -58,6 +69,9 @@ impl<'a> Attributes<'a> {
 
     /// Vertex indices of the primitive, which has `count` vertices.
     pub(super) fn order(&self, count: usize) -> Result<Vec<u32>, LoadError> {
+        if let Some(used) = &self.used {
+            return Ok(used.order.clone());
+        }
         match (&self.stream, self.primitive.indices()) {
             (Some(stream), _) => Ok(stream.indices()),
             (None, Some(accessor)) => read_indices(&accessor, self.buffers),

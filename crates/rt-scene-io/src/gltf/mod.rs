@@ -26,6 +26,7 @@ mod node_tree;
 mod primitive;
 mod skin;
 mod textures;
+mod used_vertices;
 mod variants;
 
 use std::{

@@ -58,7 +58,9 @@ pub(super) fn read(
         return Ok(None);
     }
     let mut notes = Vec::new();
-    let attributes = Attributes::of(primitive, buffers, place)?;
+    // The origin of a mesh that joints move depends on all of its vertices.
+    let is_deformed = deformation.joints.is_some() || primitive.morph_targets().len() > 0;
+    let attributes = Attributes::of(primitive, buffers, place, is_deformed)?;
     let mut data = read_vertices(&attributes, required_attributes, &mut notes)?
         .ok_or_else(|| LoadErrorKind::Syntax("has no POSITION".to_owned()).at(buffers.path(), place))?;
     let order = attributes.order(data.positions.len())?;

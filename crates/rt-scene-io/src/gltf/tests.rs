@@ -1,6 +1,7 @@
 //! Documents that are loaded as a whole.
 
 mod animated;
+mod used_vertices;
 
 use super::*;
 use crate::{Content, MaterialId, MeshId, SceneNode};
