@@ -18,13 +18,14 @@
 //! the closest hit; the rest is tested in `f64`, about once per ray. Where at most a quarter of all primitives are
 //! something else, leaves are of spheres, with bounding spheres of the others.
 //!
-//! **Batches**: `closest_batch` traces eight coherent rays as a packet. Their directions differ from that of the first by at
+//! **Batches**: `closest_stream` takes up to 256 rays as a structure of arrays, and `closest_batch` copies slices to such streams. Eight
+//! coherent rays are traced as a packet. Their directions differ from that of the first by at
 //! most an eighth of its largest component. Each box, and each triangle or sphere, is then tested with all eight. One or two remaining rays
 //! are traced alone. In trees of 256 spheres and more, up to 64 rays of one octant are culled together first by a
 //! common frustum. Tests of [`PrimitiveGeometry::ExactSphere`](crate::PrimitiveGeometry::ExactSphere) are exact for the
 //! whole packet, and so are certain hits of one triangle. Incoherent rays are interleaved in trees of more than 8 MiB:
 //! sixteen are in flight, and while one waits for its next node, others proceed. Three to seven rays at the end of a
-//! batch share a packet as well. A primitive that is an accelerator itself
+//! stream share a packet as well. A primitive that is an accelerator itself
 //! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with more than two rays of a packet together.
 //! Put coherent rays next to each other.
 //!
