@@ -64,22 +64,7 @@ macro_rules! entry_points {
                     }
                 }
             }
-            let copies = [const { OnceCell::new() }; N_PACKETS];
-            let stream = StreamRays::new(rays, &copies);
-            let is_traced = packets == 0
-                || match tree.leaves.kind {
-                    LeafKind::Watertight => {
-                        trace_packets::<Self, TriangleTest<true>>((tree, &mut *context), stream, packets, outputs)
-                    }
-                    LeafKind::Triangles => {
-                        trace_packets::<Self, TriangleTest<false>>((tree, &mut *context), stream, packets, outputs)
-                    }
-                    LeafKind::Spheres => {
-                        trace_packets::<Self, SphereTest>((tree, &mut *context), stream, packets, outputs)
-                    }
-                    LeafKind::Boxes => trace_packets::<Self, BoxTest>((tree, &mut *context), stream, packets, outputs),
-                };
-            if !is_traced {
+            if packets != 0 && !trace_packets((tree, &mut *context), rays, packets, outputs) {
                 for packet in 0..rays.len().div_ceil(PACKET) {
                     trace_one_by_one((tree, &mut *context), rays, (packet, 0xff), outputs);
                 }
@@ -94,12 +79,29 @@ fn trace_ray<O: Output, F: LeafTest>(tree: &WideBvh, context: &mut SingleContext
 }
 
 /// Traces some packets of a stream. False, without a result, if kernels for packets are not compiled for this level.
-#[inline(always)]
-fn trace_packets<O: Output, F: LeafTest>(
+#[inline(never)]
+fn trace_packets<O: Output>(
     (tree, context): (&WideBvh, &mut BatchContext<'_, O>),
-    rays: StreamRays<'_>,
+    rays: &RayStream,
     packets: u32,
     outputs: &mut O::OfStream,
+) -> bool {
+    let copies = [const { OnceCell::new() }; N_PACKETS];
+    let (rays, packets) = (StreamRays::new(rays, &copies), (packets, outputs));
+    match tree.leaves.kind {
+        LeafKind::Watertight => trace_leaves::<O, TriangleTest<true>>(tree, context, rays, packets),
+        LeafKind::Triangles => trace_leaves::<O, TriangleTest<false>>(tree, context, rays, packets),
+        LeafKind::Spheres => trace_leaves::<O, SphereTest>(tree, context, rays, packets),
+        LeafKind::Boxes => trace_leaves::<O, BoxTest>(tree, context, rays, packets),
+    }
+}
+
+#[inline(always)]
+fn trace_leaves<O: Output, F: LeafTest>(
+    tree: &WideBvh,
+    context: &mut BatchContext<'_, O>,
+    rays: StreamRays<'_>,
+    (packets, outputs): (u32, &mut O::OfStream),
 ) -> bool {
     tree.level.dispatch_packets(BatchTraversal { tree, context, packets, leaf_test: PhantomData::<F> }, rays, outputs)
 }
