@@ -322,19 +322,19 @@ impl ListStream<'_> {
 }
 
 /// Queries of a list. Compiled here, and not in every crate that traces rays.
-pub(super) trait ListQuery: Output {
+pub(super) trait TriangleListQuery: Output {
     /// Traces a stream. False, without a result, if kernels for lists are not compiled for this level.
     fn trace_list(list: ListStream<'_>, level: DetectedSimd, rays: &RayStream, outputs: &mut Self::OfStream) -> bool;
 }
 
-impl ListQuery for Option<Hit> {
+impl TriangleListQuery for Option<Hit> {
     #[inline(never)]
     fn trace_list(list: ListStream<'_>, level: DetectedSimd, rays: &RayStream, hits: &mut HitStream) -> bool {
         level.dispatch_lists(list, rays, hits)
     }
 }
 
-impl ListQuery for bool {
+impl TriangleListQuery for bool {
     #[inline(never)]
     fn trace_list(list: ListStream<'_>, level: DetectedSimd, rays: &RayStream, occluded: &mut [bool]) -> bool {
         level.dispatch_lists(list, rays, occluded)

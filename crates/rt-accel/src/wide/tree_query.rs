@@ -11,14 +11,14 @@ use super::batch::{BatchContext, BatchTraversal};
 use super::f64x8::PACKET;
 use super::filter::{BoxTest, LeafTest, SphereTest, TriangleTest};
 use super::leaf::LeafKind;
-use super::list_traversal::{ListQuery, ListStream};
+use super::list_traversal::{ListStream, TriangleListQuery};
 use super::query::{Output, TraversalStats};
 use super::simd::take_lane;
 use super::single_ray::{SingleContext, SingleTraversal};
 use super::stream_rays::{ALL_PACKETS, N_PACKETS, StreamRays};
 
 /// Queries of a tree.
-pub(super) trait TreeQuery: ListQuery {
+pub(super) trait TreeQuery: TriangleListQuery {
     /// Traces one ray through a tree. Compiled once here, and not in every crate that traces rays.
     fn trace(tree: &WideBvh, context: &mut SingleContext<'_, Self>, ray: &Ray, span: Interval);
 

@@ -11,7 +11,7 @@ fn square() -> Geometry<'static> {
     TriangleMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).expect("a mesh").into()
 }
 
-fn ball(radius: f64) -> Geometry<'static> {
+fn one_sphere(radius: f64) -> Geometry<'static> {
     Spheres::new(vec![Sphere::new(DVec3::ZERO, radius).expect("a sphere")]).into()
 }
 
@@ -36,7 +36,7 @@ fn is_near(hit: Option<PointHit>, distance: f64) -> bool {
 #[test]
 fn instances_far_away_have_the_right_distance() {
     for far in [1e61, 1e153, 1e154, 1e155, 1e160, 1e300] {
-        for geometry in [square(), ball(1.0)] {
+        for geometry in [square(), one_sphere(1.0)] {
             let scene = placed(geometry, [Transform::translate(DVec3::new(3.0, -4.0, 12.0) * far)]);
             for point in [DVec3::ZERO, DVec3::new(-7.0, 0.5, 1e9)] {
                 let found = scene.nearest_point(point, f64::INFINITY);
@@ -53,7 +53,7 @@ fn instances_far_away_have_the_right_distance() {
 
 #[test]
 fn distances_beyond_the_range_of_numbers_are_misses() {
-    for geometry in [square(), ball(1.0)] {
+    for geometry in [square(), one_sphere(1.0)] {
         let scene = placed(geometry, [Transform::translate(DVec3::splat(1.5e308))]);
         assert_eq!(scene.nearest_point(DVec3::ZERO, f64::INFINITY), None);
         assert_eq!(scene.signed_distance(DVec3::ZERO), None);
@@ -64,7 +64,7 @@ fn distances_beyond_the_range_of_numbers_are_misses() {
 #[test]
 fn the_nearest_of_many_instances_far_away_is_found() {
     for n in [3, 40] {
-        for geometry in [square(), ball(0.5)] {
+        for geometry in [square(), one_sphere(0.5)] {
             let along = |i: i32| Transform::translate(DVec3::X * f64::from((i * 7) % n + 2) * 1e200);
             let scene = placed(geometry.clone(), (0..n).map(along));
             let found = scene.nearest_point(DVec3::Y, f64::INFINITY);
@@ -84,19 +84,19 @@ fn large_and_small_instances_have_the_right_distance() {
         let point = DVec3::new(1.0, 3.0, 2.0);
         let above = scene.nearest_point(point, f64::INFINITY);
         // The ends of its edges are far away, and the point is next to one of them.
-        let beside = scene.nearest_point(DVec3::new(50.0, -1.0, 0.0), f64::INFINITY);
+        let outside = scene.nearest_point(DVec3::new(50.0, -1.0, 0.0), f64::INFINITY);
         if size < 1e160 {
-            assert!(is_near(above, 2.0) && is_near(beside, 1.0), "{size:e}: {above:?} {beside:?}");
+            assert!(is_near(above, 2.0) && is_near(outside, 1.0), "{size:e}: {above:?} {outside:?}");
         }
         let is_right = |hit: Option<PointHit>| hit.is_some_and(|hit| hit.distance <= size * 1e-15);
-        assert!(is_right(above) && is_right(beside), "{size:e}: {above:?} {beside:?}");
+        assert!(is_right(above) && is_right(outside), "{size:e}: {above:?} {outside:?}");
 
-        let scene = placed(ball(1.0), [scale(size)]);
+        let scene = placed(one_sphere(1.0), [scale(size)]);
         assert!(is_near(scene.nearest_point(DVec3::splat(2.0), f64::INFINITY), size));
         // Away from its centre by as much as its transform says: the point in its space is out of range.
-        let scene = placed(ball(2.0), [Transform::translate(DVec3::X * 3.0).compose(&scale(1.0 / size))]);
+        let scene = placed(one_sphere(2.0), [Transform::translate(DVec3::X * 3.0).compose(&scale(1.0 / size))]);
         let found = scene.nearest_point(DVec3::X * 1e50, f64::INFINITY);
-        assert!(is_near(found, 1e50), "a ball of {:e}: {found:?}", 1.0 / size);
+        assert!(is_near(found, 1e50), "a sphere of {:e}: {found:?}", 1.0 / size);
     }
 }
 

@@ -15,8 +15,8 @@ pub(super) struct UsedVertices {
 }
 
 impl UsedVertices {
-    /// `None` for a primitive with at least as many indices as vertices, which takes linear time as a whole, and for one with errors,
-    /// which reading it as a whole reports.
+    /// `None` for a primitive with at least as many indices as vertices: reading it as a whole takes linear time. `None` also for one with
+    /// errors, which are reported then.
     pub(super) fn of(primitive: &Primitive<'_>, buffers: &Buffers<'_>) -> Option<Self> {
         let (positions, indices) = (primitive.get(&Semantic::Positions)?, primitive.indices()?);
         let all = positions.count();
