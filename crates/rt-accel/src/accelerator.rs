@@ -23,7 +23,8 @@ use crate::stats::BuildStats;
 ///
 /// All queries are built on two traversals: [`traverse_ray`](Self::traverse_ray) along a ray, and
 /// [`traverse_region`](Self::traverse_region) through a part of space. None allocates, except for the growth of a list
-/// of hits that the caller passes in. A list with capacity for twice the hits never grows.
+/// of hits that the caller passes in. A list with capacity for twice the hits never grows. Queries for slices of rays may keep memory for a
+/// stream in each thread.
 pub trait Accelerator: Sync {
     /// Tests the primitives that can matter to the query, roughly in the order of the ray. These are at least those
     /// whose padded bounds the ray passes within the current span of the query. `Break` if the query ended early.
@@ -114,7 +115,8 @@ pub trait Accelerator: Sync {
         }
     }
 
-    /// [`occluded`](Self::occluded) for the rays of a stream, with identical results. Ignores rays beyond the slice.
+    /// [`occluded`](Self::occluded) for the rays of a stream, with identical results. Drops results beyond the slice, and
+    /// leaves entries beyond the stream as they are.
     fn occluded_stream<P: Primitives, S: Probe>(
         &self,
         primitives: &P,

@@ -33,8 +33,8 @@
 //! **Owns** accelerators, their builders and queries, and scenes of meshes and spheres. **Does not own** the shapes and their
 //! kernels, which are in `rt-geometry`. Features: `parallel` (default) builds large trees and traces batches on all threads;
 //! `large-pages` (default) requests pages of 2 MiB from Linux; `serde`; `all-simd`. Queries of accelerators neither fail,
-//! allocate nor lock, except that [`LazyBih`] allocates and locks where it splits a node, and lists of all hits grow. Queries of
-//! a [`Scene`] may allocate; batches fail if the lengths of their arrays differ.
+//! allocate nor lock, except that [`LazyBih`] allocates and locks where it splits a node. Lists of all hits grow, and slices of rays
+//! are copied. Queries of a [`Scene`] may allocate; batches fail if the lengths of their arrays differ, or without memory.
 
 #![deny(unsafe_code)]
 

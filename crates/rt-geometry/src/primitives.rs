@@ -40,7 +40,7 @@ pub enum BatchKernel {
     /// [`Plane::intersect`], unbounded.
     Plane(Plane),
     /// The primitive is an accelerator, which traces many rays faster together: [`Primitives::intersect_batch`]. Each
-    /// level of nested wide trees takes some 100 KiB of the stack in batches.
+    /// level of nested wide trees takes some 125 KiB of the stack in batches.
     Instance,
     /// [`Primitives::intersect`] alone, ray by ray.
     Single,

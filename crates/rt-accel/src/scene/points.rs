@@ -33,7 +33,7 @@ impl Scene<'_> {
     /// [`MAX_COORDINATE`].
     ///
     /// Transforms may move instances farther away than that: the distance is finite and right to rounding of their
-    /// coordinates. An instance beyond the range of numbers has no nearest point.
+    /// coordinates. Distances below 10⁻¹⁵⁴ may be 0. An instance beyond the range of numbers has no nearest point.
     pub fn nearest_point(&self, point: DVec3, radius: f64) -> Option<PointHit> {
         // Squared distances beyond overflow.
         if !point.abs().cmple(DVec3::splat(MAX_COORDINATE)).all() {

@@ -1,4 +1,4 @@
-//! Traversal of a batch of rays: coherent packets, and interleaved single rays that hide memory latency.
+//! Traversal of the rays of a stream: coherent packets, and interleaved single rays that hide memory latency.
 //!
 //! Interleaved rays advance by one node or leaf at a time, and prefetch their next one. Scheduling is branch-free: a branch
 //! on the next child would be mispredicted about half the time and stall all rays.

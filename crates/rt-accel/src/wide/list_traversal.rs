@@ -375,7 +375,7 @@ impl WithSimd<&RayStream, &mut [bool]> for ListStream<'_> {
             rays,
             #[inline(always)]
             |at, ListHits { hit, .. }| {
-                for (lane, occluded) in occluded.iter_mut().skip(at).take(PACKET).enumerate() {
+                for (lane, occluded) in occluded.iter_mut().take(rays.len()).skip(at).take(PACKET).enumerate() {
                     *occluded = hit >> lane & 1 == 1;
                 }
             },

@@ -200,7 +200,7 @@ impl<O: Output> Batch<'_, O> {
             self.stats.tests += 1;
             let span = results.remaining_span::<O>(simd, lane, *span);
             if let Some(hit) = self.tester.test(entry.index, ray, span).to_hit() {
-                results.set::<O>(simd, entry, lane, &hit);
+                results.set::<O>(simd, lane, &hit);
                 if O::ANY_HIT {
                     return;
                 }
@@ -219,7 +219,7 @@ impl<O: Output> Batch<'_, O> {
     ) {
         let by_axis = soa.by_steepest_axis(simd);
         for entry in self.entries {
-            let SetEntry { index, casts_shadow, kernel, bounds, .. } = entry;
+            let SetEntry { index, hit_ids, casts_shadow, kernel, bounds } = entry;
             let active = results.active;
             if active == 0 {
                 break;
@@ -241,7 +241,7 @@ impl<O: Output> Batch<'_, O> {
                         continue;
                     }
                     let hits = spheres.intersect(simd, soa);
-                    self.stats.hits += results.accept::<O>(simd, entry, possible, &hits);
+                    self.stats.hits += results.accept::<O>(simd, *hit_ids, possible, &hits);
                     possible & hits.uncertain
                 }
                 BatchKernel::Triangle(vertices) => {
@@ -254,14 +254,14 @@ impl<O: Output> Batch<'_, O> {
                         let Some(hits) = packet_triangles::intersect(simd, vertices, axis, soa, mask) else {
                             continue;
                         };
-                        self.stats.hits += results.accept::<O>(simd, entry, mask, &hits);
+                        self.stats.hits += results.accept::<O>(simd, *hit_ids, mask, &hits);
                         uncertain |= hits.uncertain;
                     }
                     uncertain
                 }
                 BatchKernel::Plane(plane) => {
                     let hits = packet_planes::intersect(simd, plane, soa);
-                    self.stats.hits += results.accept::<O>(simd, entry, active, &hits);
+                    self.stats.hits += results.accept::<O>(simd, *hit_ids, active, &hits);
                     0
                 }
                 BatchKernel::Instance | BatchKernel::Single => {
@@ -273,7 +273,7 @@ impl<O: Output> Batch<'_, O> {
                 let (ray, span) = ray(lane);
                 let span = results.remaining_span::<O>(simd, lane, span);
                 if let Some(hit) = self.tester.test(*index, &ray, span).to_hit() {
-                    results.set::<O>(simd, entry, lane, &hit);
+                    results.set::<O>(simd, lane, &hit);
                 }
             }
         }

@@ -19,13 +19,14 @@ thread_local! {
 
 /// Calls `trace` with the rays of a slice in streams, the index of the first ray of each, and space for hits.
 fn for_each_stream(rays: &[(Ray, Interval)], trace: &mut dyn FnMut(usize, &RayStream, &mut HitStream)) {
-    let mut buffers = UNUSED.with_borrow_mut(Vec::pop).unwrap_or_default();
+    let mut buffers = UNUSED.try_with(|unused| unused.borrow_mut().pop()).ok().flatten().unwrap_or_default();
     for (at, rays) in rays.chunks(STREAM_CAPACITY).enumerate() {
         buffers.rays.clear();
         rays.iter().for_each(|(ray, span)| buffers.rays.push(ray, *span));
         trace(at * STREAM_CAPACITY, &buffers.rays, &mut buffers.hits);
     }
-    UNUSED.with_borrow_mut(|unused| unused.push(buffers));
+    // There is nothing to keep while the thread ends.
+    let _ = UNUSED.try_with(|unused| unused.borrow_mut().push(buffers));
 }
 
 /// Finds the closest hits of the rays of a slice. Rays and hits beyond the shorter slice are ignored.

@@ -189,7 +189,7 @@ class RayMeshIntersector:
         return {"mesh": self.mesh, "scale_to_box": self._scale_to_box, "threads": self._threads}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        RayMeshIntersector.__init__(self, **state)
+        self.__init__(**state)  # type: ignore[misc]
 
     def __copy__(self) -> Self:
         return type(self)(**self.__getstate__())

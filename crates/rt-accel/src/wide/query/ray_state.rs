@@ -268,8 +268,8 @@ impl<O: Output> RayState<O> {
         O::from_hit(self.is_hit.then_some(self.hit))
     }
 
-    /// Tests the candidates, and writes the result in place. A result that is moved as a whole would wait until all of
-    /// it is in memory.
+    /// Tests the candidates, and writes the result in place, so that callers may read its fields one by one. A result that is moved as a
+    /// whole would wait until all of it is in memory.
     #[inline(always)]
     pub(in crate::wide) fn resolve<S: Simd, F: LeafTest>(
         &mut self,

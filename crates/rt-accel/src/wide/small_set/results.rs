@@ -3,7 +3,6 @@
 use rt_geometry::{Hit, HitStream};
 use rt_math::Interval;
 
-use super::entry::SetEntry;
 use crate::wide::f64x8::{F64x8, PACKET};
 use crate::wide::query::Output;
 use crate::wide::ray_soa::PacketHit;
@@ -13,7 +12,7 @@ use crate::wide::simd::Simd;
 pub(super) struct SetResults<S: Simd> {
     /// Rays whose result may still change.
     pub(super) active: u32,
-    /// Rays with a hit on these entries.
+    /// Rays of an any-hit query that these entries or earlier ones occlude.
     pub(super) hit: u32,
     /// Rays with a hit on these entries or on earlier ones.
     pub(super) found: u32,
@@ -82,27 +81,26 @@ impl<S: Simd> SetResults<S> {
 
     /// Accepts the hit of one ray on an entry if it is closer than any before.
     #[inline(always)]
-    pub(super) fn set<O: Output>(&mut self, simd: S, entry: &SetEntry, lane: usize, hit: &Hit) {
-        let uv = [F64x8::splat(simd, hit.uv[0]), F64x8::splat(simd, hit.uv[1])];
+    pub(super) fn set<O: Output>(&mut self, simd: S, lane: usize, hit: &Hit) {
+        let (ids, uv) = ([hit.instance, hit.primitive], [F64x8::splat(simd, hit.uv[0]), F64x8::splat(simd, hit.uv[1])]);
         let hit = PacketHit { hit: 1 << lane, uncertain: 0, t: F64x8::splat(simd, hit.t), uv };
-        let _ = self.accept::<O>(simd, entry, 1 << lane, &hit);
+        let _ = self.accept::<O>(simd, ids, 1 << lane, &hit);
     }
 
-    /// Accepts the certain hits of some rays on an entry that are closer than any before. Returns the number of those that are not behind
+    /// Accepts the certain hits of some rays, with these ids, that are closer than any before. Returns the number of those that are not behind
     /// another. Entries are tested by rising index, so that ties keep the lower one.
     #[inline(always)]
-    pub(super) fn accept<O: Output>(&mut self, simd: S, entry: &SetEntry, mask: u32, hits: &PacketHit<S>) -> u64 {
+    pub(super) fn accept<O: Output>(&mut self, simd: S, ids: [u32; 2], mask: u32, hits: &PacketHit<S>) -> u64 {
         let hit = mask & hits.hit;
         if O::ANY_HIT {
             return self.accept_occluded(hit);
         }
         let closer = hit & (hits.t.lt(simd, self.t) | !self.found);
         let not_behind = hit & (hits.t.le(simd, self.t) | !self.found);
-        self.hit |= closer;
         self.found |= closer;
         self.t = hits.t.select(simd, closer, self.t);
         self.uv = [hits.uv[0].select(simd, closer, self.uv[0]), hits.uv[1].select(simd, closer, self.uv[1])];
-        let [instance, primitive] = entry.hit_ids.map(f32::from_bits);
+        let [instance, primitive] = ids.map(f32::from_bits);
         self.ids = [
             simd.select(closer, simd.splat(instance), self.ids[0]),
             simd.select(closer, simd.splat(primitive), self.ids[1]),

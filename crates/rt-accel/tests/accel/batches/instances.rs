@@ -8,6 +8,8 @@ use rt_accel::{
     brute_force,
 };
 
+use rt_geometry::STREAM_CAPACITY;
+
 use super::{bundles, key, levels, with_odd_ones};
 use crate::soup::{Solid, Soup, run_seed};
 use rt_tests::Draw;
@@ -121,6 +123,20 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
                 let (hits, occluded) = trace_batch!(small_set, &yard, rays, &mut counted);
                 let (wide_hits, wide_occluded) = trace_batch!(wide, &yard, rays, &mut Counters::default());
+                // Without what lies beyond the capacity.
+                let of_stream = &rays[..rays.len().min(STREAM_CAPACITY)];
+                for (streamed, occluded_in_stream) in [
+                    trace_stream!(small_set, &yard, of_stream, &mut Counters::default()),
+                    trace_stream!(wide, &yard, of_stream, &mut Counters::default()),
+                ] {
+                    for (i, hit) in streamed.into_iter().enumerate() {
+                        assert_eq!(
+                            (key(hit), occluded_in_stream[i]),
+                            (key(hits[i]), occluded[i]),
+                            "round {round}, {i}"
+                        );
+                    }
+                }
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&yard, ray, *span, &mut expected);

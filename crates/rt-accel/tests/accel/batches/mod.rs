@@ -6,7 +6,7 @@ use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
 use rt_accel::{Aabb, BatchKernel, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray};
-use rt_geometry::{HitStream, RayStream};
+use rt_geometry::{HitStream, RayStream, STREAM_CAPACITY};
 use rt_tests::Draw;
 
 /// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
@@ -23,9 +23,11 @@ macro_rules! trace_batch {
 macro_rules! trace_stream {
     ($accel:expr, $primitives:expr, $rays:expr, $counters:expr) => {{
         let (stream, mut hits) = (super::stream_of($rays), rt_geometry::HitStream::default());
-        let mut occluded = vec![false; $rays.len()];
+        let mut occluded = vec![true; $rays.len() + 9];
         $accel.closest_stream($primitives, &stream, &mut hits, $counters);
         $accel.occluded_stream($primitives, &stream, &mut occluded, $counters);
+        let unused = occluded.split_off($rays.len());
+        assert!(unused.iter().all(|occluded| *occluded), "entries beyond the stream are not changed");
         (super::hits_of(&hits, $rays.len()), occluded)
     }};
 }
@@ -87,8 +89,12 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
     rays
 }
 
+/// Rays as a stream that held others before: numbers behind the last ray have no meaning.
 fn stream_of(rays: &[(Ray, Interval)]) -> RayStream {
     let mut stream = RayStream::default();
+    let others = [f64::NAN, 1e300, -0.5].map(|number| Ray::new(DVec3::splat(number), DVec3::new(-number, 1.0, number)));
+    others.iter().cycle().take(STREAM_CAPACITY).for_each(|other| stream.push(other, Interval::FORWARD));
+    stream.clear();
     rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
     stream
 }

@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
 use rt_accel::{
-    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, Ray, SlabRay, SphereKernel, brute_force,
+    Aabb, Accelerator, BatchKernel, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, SlabRay,
+    SphereKernel, brute_force,
 };
 use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
@@ -77,6 +78,40 @@ fn small_sets_equal_brute_force() {
     }
     assert!(n_hits > 7_000, "{n_hits} hits");
     assert!(SmallSet::new(0..=SmallSet::CAPACITY as u32).is_none());
+}
+
+/// Primitives that are intersected ray by ray, and whose hits have ids of their own.
+struct Renamed<'a>(&'a Soup);
+
+impl Primitives for Renamed<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        self.0.bounds(index)
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.0.intersect(index, ray, span).map(|hit| Hit { instance: 7, primitive: 100 + index, ..hit })
+    }
+    fn batch_kernel(&self, _: u32) -> BatchKernel {
+        BatchKernel::Single
+    }
+}
+
+#[test]
+fn hits_of_primitives_without_a_kernel_keep_their_ids() {
+    let soup = Soup::spheres(5, &mut Draw::new(3));
+    let rays = bundles(&soup, 100, &mut Draw::new(4));
+    let renamed = Renamed(&soup);
+    for level in levels() {
+        let small_set = SmallSet::new(0..5).unwrap().with_level(level);
+        let mut hits = vec![None; rays.len()];
+        small_set.closest_batch(&renamed, &rays, &mut hits, &mut NoProbe);
+        for (hit, (ray, span)) in hits.iter().zip(&rays) {
+            assert_eq!(key(*hit), key(small_set.closest(&renamed, ray, *span, &mut NoProbe)), "{ray:?}");
+        }
+        assert!(hits.iter().flatten().any(|hit| hit.instance == 7 && hit.primitive >= 100));
+    }
 }
 
 #[test]
