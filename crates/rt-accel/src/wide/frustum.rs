@@ -70,7 +70,7 @@ fn range<S: Simd>(simd: S, n: usize, numbers: impl Fn(usize) -> F64x8<S>) -> Num
 }
 
 impl<S: Simd> BundleFrustum<S> {
-    /// Encloses the packets of a batch from one on, as far as their rays are in its octant. Returns the number of rays as well. `None` for
+    /// Encloses the packets of a stream from one on, as far as their rays are in its octant. Returns the number of rays as well. `None` for
     /// fewer than two packets, or where the proof does not apply.
     #[inline(always)]
     pub(super) fn enclosing(simd: S, tree: &WideBvh, rays: StreamRays<'_>, first: usize) -> Option<(Self, usize)> {
