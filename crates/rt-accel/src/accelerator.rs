@@ -11,6 +11,7 @@ use crate::ray_query::{AllHits, AnyHit, Candidates, Closest, FirstHits, RayQuery
 use crate::region::Region;
 use crate::region_query::{Nearest, Overlapping, PointHit, RegionQuery};
 use crate::stats::BuildStats;
+use crate::stream_buffers::{closest_in_streams, occluded_in_streams};
 
 /// Acceleration structure over primitives.
 ///
@@ -83,9 +84,7 @@ pub trait Accelerator: Sync {
         hits: &mut [Option<Hit>],
         probe: &mut S,
     ) {
-        for ((ray, span), hit) in rays.iter().zip(hits) {
-            *hit = self.closest(primitives, ray, *span, probe);
-        }
+        closest_in_streams(rays, hits, &mut |rays, hits| self.closest_stream(primitives, rays, hits, probe));
     }
 
     /// [`occluded`](Self::occluded) for many rays, with identical results.
@@ -96,9 +95,9 @@ pub trait Accelerator: Sync {
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        for ((ray, span), occluded) in rays.iter().zip(occluded) {
-            *occluded = self.occluded(primitives, ray, *span, probe);
-        }
+        occluded_in_streams(rays, occluded, &mut |rays, occluded| {
+            self.occluded_stream(primitives, rays, occluded, probe)
+        });
     }
 
     /// [`closest`](Self::closest) for the rays of a stream, with identical results.
@@ -109,10 +108,7 @@ pub trait Accelerator: Sync {
         hits: &mut HitStream,
         probe: &mut S,
     ) {
-        for at in 0..rays.len() {
-            let (ray, span) = rays.get(at);
-            hits.set(at, self.closest(primitives, &ray, span, probe).as_ref());
-        }
+        closest_one_by_one(self, primitives, rays, hits, probe);
     }
 
     /// [`occluded`](Self::occluded) for the rays of a stream, with identical results. Drops results beyond the slice, and
@@ -124,10 +120,7 @@ pub trait Accelerator: Sync {
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
-            let (ray, span) = rays.get(at);
-            *occluded = self.occluded(primitives, &ray, span, probe);
-        }
+        occluded_one_by_one(self, primitives, rays, occluded, probe);
     }
 
     /// All hits within `span`, each once, in order of (t, instance, primitive); clears `hits` first. A primitive with
@@ -219,6 +212,34 @@ pub trait Accelerator: Sync {
         let mut query = Nearest::new(primitives, point, radius);
         let _ = self.traverse_region(&mut query);
         query.finish()
+    }
+}
+
+/// [`closest_stream`](Accelerator::closest_stream) by single queries.
+pub(crate) fn closest_one_by_one<A: Accelerator + ?Sized, P: Primitives, S: Probe>(
+    accelerator: &A,
+    primitives: &P,
+    rays: &RayStream,
+    hits: &mut HitStream,
+    probe: &mut S,
+) {
+    for at in 0..rays.len() {
+        let (ray, span) = rays.get(at);
+        hits.set(at, accelerator.closest(primitives, &ray, span, probe).as_ref());
+    }
+}
+
+/// [`occluded_stream`](Accelerator::occluded_stream) by single queries.
+pub(crate) fn occluded_one_by_one<A: Accelerator + ?Sized, P: Primitives, S: Probe>(
+    accelerator: &A,
+    primitives: &P,
+    rays: &RayStream,
+    occluded: &mut [bool],
+    probe: &mut S,
+) {
+    for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+        let (ray, span) = rays.get(at);
+        *occluded = accelerator.occluded(primitives, &ray, span, probe);
     }
 }
 

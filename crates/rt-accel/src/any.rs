@@ -2,6 +2,7 @@
 
 use core::ops::ControlFlow;
 
+use crate::accelerator::{closest_one_by_one, occluded_one_by_one};
 use crate::erased::{self, DynPrimitives, DynRayQuery, DynRegionQuery, NodeCount};
 use crate::ray_query::{AnyHit, Closest};
 use crate::wide::{BuildParams, Quality, SimdLevel};
@@ -236,42 +237,6 @@ impl Accelerator for AnyAccelerator {
         }
     }
 
-    fn closest_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        match self {
-            Self::Linear(linear) => linear.closest_batch(primitives, rays, hits, probe),
-            Self::Wide(wide) => wide.closest_batch(primitives, rays, hits, probe),
-            other => {
-                for ((ray, span), hit) in rays.iter().zip(hits) {
-                    *hit = other.closest(primitives, ray, *span, probe);
-                }
-            }
-        }
-    }
-
-    fn occluded_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) {
-        match self {
-            Self::Linear(linear) => linear.occluded_batch(primitives, rays, occluded, probe),
-            Self::Wide(wide) => wide.occluded_batch(primitives, rays, occluded, probe),
-            other => {
-                for ((ray, span), occluded) in rays.iter().zip(occluded) {
-                    *occluded = other.occluded(primitives, ray, *span, probe);
-                }
-            }
-        }
-    }
-
     fn closest_stream<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
@@ -282,12 +247,7 @@ impl Accelerator for AnyAccelerator {
         match self {
             Self::Linear(linear) => linear.closest_stream(primitives, rays, hits, probe),
             Self::Wide(wide) => wide.closest_stream(primitives, rays, hits, probe),
-            other => {
-                for at in 0..rays.len() {
-                    let (ray, span) = rays.get(at);
-                    hits.set(at, other.closest(primitives, &ray, span, probe).as_ref());
-                }
-            }
+            other => closest_one_by_one(other, primitives, rays, hits, probe),
         }
     }
 
@@ -301,12 +261,7 @@ impl Accelerator for AnyAccelerator {
         match self {
             Self::Linear(linear) => linear.occluded_stream(primitives, rays, occluded, probe),
             Self::Wide(wide) => wide.occluded_stream(primitives, rays, occluded, probe),
-            other => {
-                for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
-                    let (ray, span) = rays.get(at);
-                    *occluded = other.occluded(primitives, &ray, span, probe);
-                }
-            }
+            other => occluded_one_by_one(other, primitives, rays, occluded, probe),
         }
     }
 }

@@ -67,6 +67,7 @@ mod region_query;
 mod scene;
 mod space_partition;
 mod stats;
+mod stream_buffers;
 mod top_down;
 mod traversal;
 mod tree;

@@ -6,6 +6,7 @@ use crate::{Accelerator, BuildError, BuildStats, RayQuery, Refit, RegionQuery, V
 use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
+use crate::accelerator::{closest_one_by_one, occluded_one_by_one};
 use crate::prim_bounds::{checked_padded_bounds, count};
 use crate::wide::{SimdLevel, SmallSet, SphereList};
 
@@ -99,36 +100,6 @@ impl Accelerator for Linear {
         }
     }
 
-    fn closest_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        if let Some(small_set) = self.small_set() {
-            return small_set.closest_batch(primitives, rays, hits, probe);
-        }
-        for ((ray, span), hit) in rays.iter().zip(hits) {
-            *hit = self.closest(primitives, ray, *span, probe);
-        }
-    }
-
-    fn occluded_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) {
-        if let Some(small_set) = self.small_set() {
-            return small_set.occluded_batch(primitives, rays, occluded, probe);
-        }
-        for ((ray, span), occluded) in rays.iter().zip(occluded) {
-            *occluded = self.occluded(primitives, ray, *span, probe);
-        }
-    }
-
     fn closest_stream<P: Primitives, S: Probe>(
         &self,
         primitives: &P,
@@ -136,12 +107,9 @@ impl Accelerator for Linear {
         hits: &mut HitStream,
         probe: &mut S,
     ) {
-        if let Some(small_set) = self.small_set() {
-            return small_set.closest_stream(primitives, rays, hits, probe);
-        }
-        for at in 0..rays.len() {
-            let (ray, span) = rays.get(at);
-            hits.set(at, self.closest(primitives, &ray, span, probe).as_ref());
+        match self.small_set() {
+            Some(small_set) => small_set.closest_stream(primitives, rays, hits, probe),
+            None => closest_one_by_one(self, primitives, rays, hits, probe),
         }
     }
 
@@ -152,12 +120,9 @@ impl Accelerator for Linear {
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        if let Some(small_set) = self.small_set() {
-            return small_set.occluded_stream(primitives, rays, occluded, probe);
-        }
-        for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
-            let (ray, span) = rays.get(at);
-            *occluded = self.occluded(primitives, &ray, span, probe);
+        match self.small_set() {
+            Some(small_set) => small_set.occluded_stream(primitives, rays, occluded, probe),
+            None => occluded_one_by_one(self, primitives, rays, occluded, probe),
         }
     }
 

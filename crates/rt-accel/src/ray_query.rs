@@ -194,7 +194,7 @@ impl<'h> AllHits<'h> {
 
     /// [`try_finish`](Self::try_finish) for queries that return no error.
     pub(crate) fn finish(self) {
-        self.try_finish().unwrap_or_else(|error| abort_without_memory(&error));
+        self.try_finish().unwrap_or_else(|_| abort_without_memory());
     }
 
     /// Sorts the hits as well.
@@ -231,7 +231,7 @@ impl<'h> AllHits<'h> {
 }
 
 /// Ends the process, as any list does that grows without memory.
-pub(crate) fn abort_without_memory(_: &TryReserveError) -> ! {
+pub(crate) fn abort_without_memory() -> ! {
     handle_alloc_error(Layout::new::<Hit>())
 }
 

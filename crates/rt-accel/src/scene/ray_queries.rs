@@ -62,7 +62,7 @@ impl<'a> Scene<'a> {
     /// All hits within `span`, each once, in order of (t, instance, primitive); clears `hits` first. A sphere reports both
     /// of its hits.
     pub fn all_hits(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>) {
-        self.try_all_hits(ray, span, hits).unwrap_or_else(|error| abort_without_memory(&error));
+        self.try_all_hits(ray, span, hits).unwrap_or_else(|_| abort_without_memory());
     }
 
     /// [`all_hits`](Self::all_hits), or an empty list and an error if there is no memory for them.

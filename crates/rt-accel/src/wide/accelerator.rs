@@ -12,7 +12,6 @@ use super::node::Child;
 use super::query::{PrimitiveTester, Tester, TraversalStats};
 use super::simd::{DetectedSimd, SimdLevel};
 use super::single_ray::SingleContext;
-use super::stream_buffers::{closest_in_streams, occluded_in_streams};
 use super::tree_query::TreeQuery;
 use super::triangle_list::TriangleList;
 use super::{WideBvh, sah};
@@ -144,28 +143,6 @@ impl Accelerator for WideBvh {
     #[inline]
     fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         self.trace(primitives, ray, span, probe)
-    }
-
-    fn closest_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        closest_in_streams(rays, hits, &mut |rays, hits| self.closest_stream(primitives, rays, hits, probe));
-    }
-
-    fn occluded_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) {
-        occluded_in_streams(rays, occluded, &mut |rays, occluded| {
-            self.occluded_stream(primitives, rays, occluded, probe)
-        });
     }
 
     fn closest_stream<P: Primitives, S: Probe>(

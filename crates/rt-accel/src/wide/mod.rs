@@ -5,7 +5,7 @@
 //! * `simd`: eight numbers at a time on any processor; `f64x8`: one number of eight rays
 //! * `node`, `leaf`, `triangle_list`, `wide_bvh`: the tree; `stack`, `huge_pages`: memory
 //! * `ray`, `ray_f64`, `ray_soa`, `ray_packet`, `packet_slabs`, `t_range`: rays prepared for filters, with the proofs
-//! * `stream_rays`, `stream_buffers`, `coherence`, `frustum`: streams and bundles of rays
+//! * `stream_rays`, `coherence`, `frustum`: streams and bundles of rays
 //! * `exact_triangle`, `packet_triangles`, `packet_spheres`: exact tests in SIMD lanes
 //! * `scalar`: traversal in `f64`, outside the range of the filters
 //! * `filter`: conservative tests of leaves; `entry_points`: culling of ray bundles
@@ -57,7 +57,6 @@ mod single_ray;
 mod small_set;
 mod sphere_list;
 mod stack;
-mod stream_buffers;
 mod stream_rays;
 mod t_range;
 mod tree_query;

@@ -14,9 +14,9 @@ use super::packet_spheres::SpherePacket;
 use super::query::{Output, PrimitiveTester, Tester, TraversalStats};
 use super::ray_soa::RaySoa8;
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
-use super::stream_buffers::{closest_in_streams, occluded_in_streams};
 use super::stream_rays::N_PACKETS;
 use super::{packet_planes, packet_triangles};
+use crate::stream_buffers::{closest_in_streams, occluded_in_streams};
 
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///

@@ -30,7 +30,7 @@ fn for_each_stream(rays: &[(Ray, Interval)], trace: &mut dyn FnMut(usize, &RaySt
 }
 
 /// Finds the closest hits of the rays of a slice. Rays and hits beyond the shorter slice are ignored.
-pub(super) fn closest_in_streams(
+pub(crate) fn closest_in_streams(
     rays: &[(Ray, Interval)],
     hits: &mut [Option<Hit>],
     trace: &mut dyn FnMut(&RayStream, &mut HitStream),
@@ -45,7 +45,7 @@ pub(super) fn closest_in_streams(
 }
 
 /// Version of [`closest_in_streams`] for occlusion.
-pub(super) fn occluded_in_streams(
+pub(crate) fn occluded_in_streams(
     rays: &[(Ray, Interval)],
     occluded: &mut [bool],
     trace: &mut dyn FnMut(&RayStream, &mut [bool]),
