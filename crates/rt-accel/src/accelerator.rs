@@ -11,7 +11,6 @@ use crate::ray_query::{AllHits, AnyHit, Candidates, Closest, FirstHits, RayQuery
 use crate::region::Region;
 use crate::region_query::{Nearest, Overlapping, PointHit, RegionQuery};
 use crate::stats::BuildStats;
-use crate::stream_buffers::{closest_in_streams, occluded_in_streams};
 
 /// Acceleration structure over primitives.
 ///
@@ -24,8 +23,8 @@ use crate::stream_buffers::{closest_in_streams, occluded_in_streams};
 ///
 /// All queries are built on two traversals: [`traverse_ray`](Self::traverse_ray) along a ray, and
 /// [`traverse_region`](Self::traverse_region) through a part of space. None allocates, except for the growth of a list
-/// of hits that the caller passes in. A list with capacity for twice the hits never grows. Queries for slices of rays may keep memory for a
-/// stream in each thread.
+/// of hits that the caller passes in. A list with capacity for twice the hits never grows. Streams of rays through instances may keep memory
+/// in each thread ([`with_stream_buffers`](rt_geometry::with_stream_buffers)).
 pub trait Accelerator: Sync {
     /// Tests the primitives that can matter to the query, roughly in the order of the ray. These are at least those
     /// whose padded bounds the ray passes within the current span of the query. `Break` if the query ended early.
@@ -75,32 +74,24 @@ pub trait Accelerator: Sync {
         self.traverse_ray(primitives, &mut AnyHit::new(ray, span), probe).is_break()
     }
 
-    /// [`closest`](Self::closest) for many rays, with identical results: `hits[i]` belongs to `rays[i]`. Ignores rays
-    /// and hits beyond the shorter slice.
-    fn closest_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        closest_in_streams(rays, hits, &mut |rays, hits| self.closest_stream(primitives, rays, hits, probe));
-    }
-
-    /// [`occluded`](Self::occluded) for many rays, with identical results.
-    fn occluded_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) {
-        occluded_in_streams(rays, occluded, &mut |rays, occluded| {
-            self.occluded_stream(primitives, rays, occluded, probe)
-        });
-    }
-
-    /// [`closest`](Self::closest) for the rays of a stream, with identical results.
+    /// [`closest`](Self::closest) for the rays of a stream, with identical results. Put rays that start and run next to each other in
+    /// successive places.
+    ///
+    /// ```
+    /// use rt_accel::{Aabb, Accelerator, Boxes, Bvh, DVec3, HitStream, Interval, NoProbe, Ray, RayStream};
+    ///
+    /// let boxes = [0.0, 2.0].map(|x| Aabb::new(DVec3::new(x, 0.0, 0.0), DVec3::new(x + 1.0, 1.0, 1.0)));
+    /// let tree = Bvh::build(&Boxes(&boxes))?;
+    /// let mut rays = RayStream::default();
+    /// for x in [0.5, 1.5, 2.5] {
+    ///     rays.push(&Ray::new(DVec3::new(x, 0.5, -1.0), DVec3::Z), Interval::FORWARD);
+    /// }
+    /// let mut hits = HitStream::default();
+    /// tree.closest_stream(&Boxes(&boxes), &rays, &mut hits, &mut NoProbe);
+    /// let primitives = [0, 1, 2].map(|at| hits.get(at).map(|hit| hit.primitive));
+    /// assert_eq!(primitives, [Some(0), None, Some(1)]);
+    /// # Ok::<(), rt_accel::BuildError>(())
+    /// ```
     fn closest_stream<P: Primitives, S: Probe>(
         &self,
         primitives: &P,

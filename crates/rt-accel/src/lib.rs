@@ -33,8 +33,9 @@
 //! **Owns** accelerators, their builders and queries, and scenes of meshes and spheres. **Does not own** the shapes and their
 //! kernels, which are in `rt-geometry`. Features: `parallel` (default) builds large trees and traces batches on all threads;
 //! `large-pages` (default) requests pages of 2 MiB from Linux; `serde`; `all-simd`. Queries of accelerators neither fail,
-//! allocate nor lock, except that [`LazyBih`] allocates and locks where it splits a node. Lists of all hits grow, and slices of rays
-//! are copied. Queries of a [`Scene`] may allocate; batches fail if the lengths of their arrays differ, or without memory.
+//! allocate nor lock, except that [`LazyBih`] allocates and locks where it splits a node. Lists of all hits grow, and instances keep
+//! memory for streams in each thread. Queries of a [`Scene`] may allocate; batches fail if the lengths of their arrays differ, or
+//! without memory.
 
 #![deny(unsafe_code)]
 
@@ -67,7 +68,6 @@ mod region_query;
 mod scene;
 mod space_partition;
 mod stats;
-mod stream_buffers;
 mod top_down;
 mod traversal;
 mod tree;
@@ -91,8 +91,8 @@ pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
     BatchKernel, ClosestPoint, Counters, Hit, HitStream, MAX_COORDINATE, NoProbe, PrimitiveGeometry, Primitives, Probe,
-    RayCounts, RayKind, RayStream, ShapeError, ShapeHit, Sphere, SphereKernel, Spheres, WatertightRay,
-    intersect_primitive, occludes_primitive, padded_bounds,
+    RayCounts, RayKind, RayStream, STREAM_CAPACITY, ShapeError, ShapeHit, Sphere, SphereKernel, Spheres, StreamBuffers,
+    WatertightRay, intersect_primitive, occludes_primitive, padded_bounds, with_stream_buffers,
 };
 pub use rt_math::{Aabb, DMat3, DQuat, DVec3, Interval, Ray, SlabRay, Transform, TransformError, Vec3};
 pub use scene::{

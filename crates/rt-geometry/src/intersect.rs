@@ -1,6 +1,6 @@
 //! Intersection of rays with primitives: the only functions that accept hits.
 
-use crate::{Hit, Primitives, Probe, ShapeHit, WatertightRay};
+use crate::{Hit, HitStream, Primitives, Probe, RayStream, ShapeHit, WatertightRay};
 use rt_math::DVec3;
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
@@ -106,39 +106,40 @@ pub fn occludes_primitive_uncounted<P: Primitives, S: Probe>(
     occluded
 }
 
-/// [`intersect_primitive_uncounted`] for many rays, with identical results: `hits[i]` belongs to `rays[i]`. Ignores
-/// rays beyond the shorter slice.
-pub fn intersect_primitive_batch<P: Primitives, S: Probe>(
+/// [`intersect_primitive_uncounted`] for the rays of a stream, with identical results.
+pub fn intersect_primitive_stream<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
-    rays: &[(Ray, Interval)],
-    hits: &mut [Option<Hit>],
+    rays: &RayStream,
+    hits: &mut HitStream,
     probe: &mut S,
 ) {
-    primitives.intersect_batch(index, rays, hits, probe);
-    for ((ray, span), answer) in rays.iter().zip(hits) {
-        let Some(hit) = answer else { continue };
-        match padded_bounds_entry(primitives, index, ray, *span) {
+    primitives.intersect_stream(index, rays, hits, probe);
+    for at in 0..rays.len() {
+        let Some(hit) = hits.get(at) else { continue };
+        let (ray, span) = rays.get(at);
+        match padded_bounds_entry(primitives, index, &ray, span) {
             Some(entry) if !hit.t.is_nan() => {
                 probe.hit();
-                hit.t = max_t(hit.t, entry);
+                hits.t.set(at, max_t(hit.t, entry));
             }
-            _ => *answer = None,
+            _ => hits.set(at, None),
         }
     }
 }
 
-/// [`occludes_primitive_uncounted`] for many rays, with identical results.
-pub fn occludes_primitive_batch<P: Primitives, S: Probe>(
+/// [`occludes_primitive_uncounted`] for the rays of a stream, with identical results.
+pub fn occludes_primitive_stream<P: Primitives, S: Probe>(
     primitives: &P,
     index: u32,
-    rays: &[(Ray, Interval)],
+    rays: &RayStream,
     occluded: &mut [bool],
     probe: &mut S,
 ) {
-    primitives.occludes_batch(index, rays, occluded, probe);
-    for ((ray, span), occluded) in rays.iter().zip(occluded) {
-        *occluded = *occluded && padded_bounds_entry(primitives, index, ray, *span).is_some();
+    primitives.occludes_stream(index, rays, occluded, probe);
+    for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+        let (ray, span) = rays.get(at);
+        *occluded = *occluded && padded_bounds_entry(primitives, index, &ray, span).is_some();
         if *occluded {
             probe.hit();
         }
@@ -221,9 +222,10 @@ mod tests {
             let (slab_ray, span) = (SlabRay::new(&ray), Interval::FORWARD);
             assert_eq!(intersect_primitive(&kernel, 0, &slab_ray, span, &mut NoProbe), None);
             assert!(!occludes_primitive(&kernel, 0, &slab_ray, span, &mut NoProbe));
-            let mut hits = [None];
-            intersect_primitive_batch(&kernel, 0, &[(ray, span)], &mut hits, &mut NoProbe);
-            assert_eq!(hits, [None]);
+            let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
+            rays.push(&ray, span);
+            intersect_primitive_stream(&kernel, 0, &rays, &mut hits, &mut NoProbe);
+            assert_eq!(hits.get(0), None);
         }
     }
 

@@ -78,6 +78,7 @@ mod sphere_kernel;
 mod spheres;
 #[cfg(test)]
 mod strategies;
+mod stream_buffers;
 mod torus;
 mod transformed_shape;
 mod triangle;
@@ -94,8 +95,8 @@ pub use hit::{Hit, ShapeHit};
 pub use infinite_quadric::InfiniteQuadric;
 pub use interaction::{InteractionFlags, ShadowRays, SurfaceInteraction, VertexAttributes, offset_point};
 pub use intersect::{
-    intersect_primitive, intersect_primitive_batch, intersect_primitive_uncounted, intersect_triangle,
-    occludes_primitive, occludes_primitive_batch, occludes_primitive_uncounted, padded_bounds,
+    intersect_primitive, intersect_primitive_stream, intersect_primitive_uncounted, intersect_triangle,
+    occludes_primitive, occludes_primitive_stream, occludes_primitive_uncounted, padded_bounds,
 };
 pub use mesh::TriangleMesh;
 pub use mesh_data::MeshData;
@@ -113,6 +114,7 @@ pub use smooth_triangle::{SmoothPoint, smooth_point};
 pub use sphere::{Sphere, sphere_point};
 pub use sphere_kernel::SphereKernel;
 pub use spheres::Spheres;
+pub use stream_buffers::{StreamBuffers, with_stream_buffers};
 pub use torus::Torus;
 pub use transformed_shape::TransformedShape;
 pub use triangle::{Triangle, interpolate, is_on_triangle, triangle_point};

@@ -1,6 +1,6 @@
 //! Interface of primitives, against which rays are traced.
 
-use crate::{Hit, Plane, Probe, SphereKernel};
+use crate::{Hit, HitStream, Plane, Probe, RayStream, SphereKernel};
 use rt_math::{Aabb, Interval, Ray};
 use rt_math::{DVec3, Vec3};
 
@@ -39,8 +39,8 @@ pub enum BatchKernel {
     Sphere(SphereKernel),
     /// [`Plane::intersect`], unbounded.
     Plane(Plane),
-    /// The primitive is an accelerator, which traces many rays faster together: [`Primitives::intersect_batch`]. Each
-    /// level of nested wide trees takes some 125 KiB of the stack in batches.
+    /// The primitive is an accelerator, which traces many rays faster together: [`Primitives::intersect_stream`]. Each
+    /// level of nested wide trees takes some 125 KiB of the stack in streams.
     Instance,
     /// [`Primitives::intersect`] alone, ray by ray.
     Single,
@@ -117,20 +117,21 @@ pub trait Primitives: Sync {
         true
     }
 
-    /// [`intersect_with_stats`](Self::intersect_with_stats) for many rays, with identical hits: `hits[i]` belongs to
-    /// `rays[i]` and is overwritten. Ignores rays beyond the shorter slice. Statistics may be lower, and are those of
-    /// the work done.
-    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        for ((ray, span), hit) in rays.iter().zip(hits) {
-            *hit = self.intersect_with_stats(index, ray, *span, probe);
+    /// [`intersect_with_stats`](Self::intersect_with_stats) for the rays of a stream, with identical hits, which are
+    /// overwritten. Statistics may be lower, and are those of the work done.
+    fn intersect_stream<S: Probe>(&self, index: u32, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {
+        for at in 0..rays.len() {
+            let (ray, span) = rays.get(at);
+            hits.set(at, self.intersect_with_stats(index, &ray, span, probe).as_ref());
         }
     }
 
-    /// [`occludes_with_stats`](Self::occludes_with_stats) for many rays, with identical results; `occluded[i]` belongs
-    /// to `rays[i]`.
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
-        for ((ray, span), occluded) in rays.iter().zip(occluded) {
-            *occluded = self.occludes_with_stats(index, ray, *span, probe);
+    /// [`occludes_with_stats`](Self::occludes_with_stats) for the rays of a stream, with identical results. Drops results
+    /// beyond the slice, and leaves entries beyond the stream as they are.
+    fn occludes_stream<S: Probe>(&self, index: u32, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
+        for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+            let (ray, span) = rays.get(at);
+            *occluded = self.occludes_with_stats(index, &ray, span, probe);
         }
     }
 

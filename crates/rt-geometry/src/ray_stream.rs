@@ -138,6 +138,34 @@ impl RayStream {
         self.grow(1);
     }
 
+    /// Replaces the rays by those of other indices in another stream. Indices beyond the capacity are ignored.
+    pub fn set_gathered(&mut self, from: &Self, indices: &[u8]) {
+        let indices = &indices[..indices.len().min(STREAM_CAPACITY)];
+        let gather = |to: &mut StreamArray<f64>, from: &StreamArray<f64>| {
+            for (number, &index) in to.as_mut_slice().iter_mut().zip(indices) {
+                *number = from.get(index.into());
+            }
+        };
+        for axis in 0..3 {
+            gather(&mut self.origin[axis], &from.origin[axis]);
+            gather(&mut self.direction[axis], &from.direction[axis]);
+        }
+        gather(&mut self.min, &from.min);
+        gather(&mut self.max, &from.max);
+        gather(&mut self.time, &from.time);
+        self.len = indices.len();
+    }
+
+    /// Replaces the rays by the images of those of another stream, within the same spans.
+    #[inline]
+    pub fn set_mapped(&mut self, from: &Self, map: impl Fn(&Ray) -> Ray) {
+        self.clear();
+        for at in 0..from.len {
+            let (ray, span) = from.get(at);
+            self.push(&map(&ray), span);
+        }
+    }
+
     /// The ray of this index.
     #[inline(always)]
     pub fn get(&self, at: usize) -> (Ray, Interval) {
@@ -211,6 +239,30 @@ mod tests {
         assert_eq!(rays.len(), STREAM_CAPACITY, "counted up to the capacity");
         rays.clear();
         assert!(rays.is_empty());
+    }
+
+    #[test]
+    fn rays_are_gathered_and_mapped_with_their_spans_and_times() {
+        let mut rays = RayStream::default();
+        for at in 0..STREAM_CAPACITY {
+            let number = at as f64;
+            let ray = Ray::new(DVec3::new(number, 1.0, 2.0), DVec3::new(3.0, -number, 5.0));
+            rays.push(&Ray { time: number / 256.0, ..ray }, Interval::new(number, 2.0 * number));
+        }
+        let indices: Vec<u8> = (0..=255).rev().step_by(3).collect();
+        let mut some = rays.clone();
+        some.set_gathered(&rays, &indices);
+        assert_eq!(some.len(), indices.len());
+        assert!(indices.iter().enumerate().all(|(at, &index)| some.get(at) == rays.get(index.into())));
+        some.set_gathered(&rays, &[7; 300]);
+        assert_eq!((some.len(), some.get(STREAM_CAPACITY - 1)), (STREAM_CAPACITY, rays.get(7)));
+
+        let twice = |ray: &Ray| Ray { origin: ray.origin * 2.0, ..*ray };
+        some.set_mapped(&rays, twice);
+        assert_eq!(some.len(), STREAM_CAPACITY);
+        assert!((0..STREAM_CAPACITY).all(|at| some.get(at) == (twice(&rays.get(at).0), rays.get(at).1)));
+        some.set_mapped(&RayStream::default(), twice);
+        assert!(some.is_empty());
     }
 
     #[test]

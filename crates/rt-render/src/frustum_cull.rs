@@ -214,12 +214,12 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
         self.all.casts_shadow(self.indices[index as usize])
     }
 
-    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        self.all.intersect_batch(self.indices[index as usize], rays, hits, probe);
+    fn intersect_stream<S: Probe>(&self, index: u32, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {
+        self.all.intersect_stream(self.indices[index as usize], rays, hits, probe);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
-        self.all.occludes_batch(self.indices[index as usize], rays, occluded, probe);
+    fn occludes_stream<S: Probe>(&self, index: u32, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
+        self.all.occludes_stream(self.indices[index as usize], rays, occluded, probe);
     }
 
     fn geometry(&self, index: u32) -> PrimitiveGeometry {

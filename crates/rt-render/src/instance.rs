@@ -3,12 +3,12 @@
 //! The top level holds instances in world space. An instance is a shape, a transformed mesh, or a group: an aggregate of
 //! instances in a space of its own, shared by all uses. Groups do not contain groups, because flattening inlines these.
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{
-    BatchKernel, Hit, InteractionFlags, PrimitiveGeometry, Primitives, Probe, Shape, ShapeHit, SurfaceInteraction,
-    TransformedShape, TriangleMesh,
+    BatchKernel, Hit, HitStream, InteractionFlags, PrimitiveGeometry, Primitives, Probe, RayStream, Shape, ShapeHit,
+    SurfaceInteraction, TransformedShape, TriangleMesh, with_stream_buffers,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
 use rt_shading::{NormalMap, StreamPrimitive, StreamShape, SurfaceHit, Texture, light::LightId};
@@ -182,19 +182,25 @@ fn to_local(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
     parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
 }
 
-fn to_local_batch<'r>(
-    rays: &'r [(Ray, Interval)],
-    parent_from_local: Option<&Transform>,
-) -> Cow<'r, [(Ray, Interval)]> {
-    parent_from_local.map_or(Cow::Borrowed(rays), |transform| {
-        rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect()
-    })
+/// Calls `trace` with the images of rays.
+fn trace_mapped(rays: &RayStream, map: impl Fn(&Ray) -> Ray, trace: &mut dyn FnMut(&RayStream)) {
+    with_stream_buffers(&mut |buffers| {
+        buffers.rays.set_mapped(rays, &map);
+        trace(&buffers.rays);
+    });
 }
 
-/// Rays in the space of animated geometry, each at its own time.
-fn to_local_animated(rays: &[(Ray, Interval)], animated: &Animated) -> Vec<(Ray, Interval)> {
-    let local = |ray: &Ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray);
-    rays.iter().map(|(ray, span)| (local(ray), *span)).collect()
+/// Calls `trace` with the rays in the space below a transform.
+fn trace_local(rays: &RayStream, parent_from_local: Option<&Transform>, trace: &mut dyn FnMut(&RayStream)) {
+    match parent_from_local {
+        None => trace(rays),
+        Some(transform) => trace_mapped(rays, |ray| transform.inverse_ray(ray), trace),
+    }
+}
+
+/// Calls `trace` with the rays in the space of animated geometry, each at its own time.
+fn trace_animated(rays: &RayStream, animated: &Animated, trace: &mut dyn FnMut(&RayStream)) {
+    trace_mapped(rays, |ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray), trace);
 }
 
 impl Instances<'_> {
@@ -414,63 +420,75 @@ impl Instances<'_> {
         }
     }
 
-    /// Batch version of [`closest_on`](Self::closest_on).
-    fn closest_batch_on<S: Probe>(
+    /// Version of [`closest_on`](Self::closest_on) for a stream.
+    fn closest_stream_on<S: Probe>(
         &self,
         (index, geometry): (u32, &InstanceGeometry),
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
+        rays: &RayStream,
+        hits: &mut HitStream,
         probe: &mut S,
     ) {
         match geometry {
             InstanceGeometry::Mesh(level, transform) => {
-                let rays = to_local_batch(rays, transform.as_deref());
-                self.levels.meshes[*level as usize].closest_batch(&self.levels.textures, &rays, hits, probe);
-                hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
+                let mesh = &self.levels.meshes[*level as usize];
+                let trace = &mut |rays: &RayStream| mesh.closest_stream(&self.levels.textures, rays, hits, probe);
+                trace_local(rays, transform.as_deref(), trace);
+                hits.instance.as_mut_slice()[..rays.len()].fill(index);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let rays = to_local_batch(rays, transform.as_deref());
-                group.accelerator.closest_batch(&group.set(self.levels), &rays, hits, probe);
-                hits.iter_mut().flatten().for_each(|hit| *hit = group.with_instance(*hit, index));
+                let inner = group.set(self.levels);
+                let trace = &mut |rays: &RayStream| group.accelerator.closest_stream(&inner, rays, hits, probe);
+                trace_local(rays, transform.as_deref(), trace);
+                for at in 0..rays.len() {
+                    if let Some(hit) = hits.get(at) {
+                        hits.set(at, Some(&group.with_instance(hit, index)));
+                    }
+                }
             }
             InstanceGeometry::Animated(animated) => {
-                let rays = to_local_animated(rays, animated);
-                self.closest_batch_on((index, &animated.geometry), &rays, hits, probe);
+                let geometry = &animated.geometry;
+                trace_animated(rays, animated, &mut |rays| {
+                    self.closest_stream_on((index, geometry), rays, hits, probe)
+                });
             }
             InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
-                for ((ray, span), hit) in rays.iter().zip(hits) {
-                    *hit = self.closest_on((index, geometry), ray, *span, probe);
+                for at in 0..rays.len() {
+                    let (ray, span) = rays.get(at);
+                    hits.set(at, self.closest_on((index, geometry), &ray, span, probe).as_ref());
                 }
             }
         }
     }
 
-    /// Batch version of [`occluded_by`](Self::occluded_by).
-    fn occluded_batch_by<S: Probe>(
+    /// Version of [`occluded_by`](Self::occluded_by) for a stream.
+    fn occluded_stream_by<S: Probe>(
         &self,
         geometry: &InstanceGeometry,
-        rays: &[(Ray, Interval)],
+        rays: &RayStream,
         occluded: &mut [bool],
         probe: &mut S,
     ) {
         match geometry {
             InstanceGeometry::Mesh(level, transform) => {
-                let rays = to_local_batch(rays, transform.as_deref());
-                self.levels.meshes[*level as usize].occluded_batch(&self.levels.textures, &rays, occluded, probe);
+                let mesh = &self.levels.meshes[*level as usize];
+                let trace = &mut |rays: &RayStream| mesh.occluded_stream(&self.levels.textures, rays, occluded, probe);
+                trace_local(rays, transform.as_deref(), trace);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
-                let rays = to_local_batch(rays, transform.as_deref());
-                group.accelerator.occluded_batch(&group.set(self.levels), &rays, occluded, probe);
+                let inner = group.set(self.levels);
+                let trace = &mut |rays: &RayStream| group.accelerator.occluded_stream(&inner, rays, occluded, probe);
+                trace_local(rays, transform.as_deref(), trace);
             }
             InstanceGeometry::Animated(animated) => {
-                let rays = to_local_animated(rays, animated);
-                self.occluded_batch_by(&animated.geometry, &rays, occluded, probe);
+                let geometry = &animated.geometry;
+                trace_animated(rays, animated, &mut |rays| self.occluded_stream_by(geometry, rays, occluded, probe));
             }
             InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
-                for ((ray, span), occluded) in rays.iter().zip(occluded) {
-                    *occluded = self.occluded_by(geometry, ray, *span, probe);
+                for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
+                    let (ray, span) = rays.get(at);
+                    *occluded = self.occluded_by(geometry, &ray, span, probe);
                 }
             }
         }
@@ -532,16 +550,14 @@ impl Primitives for Instances<'_> {
         self.instances[index as usize].casts_shadow
     }
 
-    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        let n = rays.len().min(hits.len());
-        let instance = &self.instances[index as usize];
-        self.closest_batch_on((index, &instance.geometry), &rays[..n], &mut hits[..n], probe);
+    fn intersect_stream<S: Probe>(&self, index: u32, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {
+        self.closest_stream_on((index, &self.instances[index as usize].geometry), rays, hits, probe);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+    fn occludes_stream<S: Probe>(&self, index: u32, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
         let instance = &self.instances[index as usize];
         if instance.casts_shadow {
-            self.occluded_batch_by(&instance.geometry, rays, occluded, probe);
+            self.occluded_stream_by(&instance.geometry, rays, occluded, probe);
         } else {
             let n = rays.len().min(occluded.len());
             occluded[..n].fill(false);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rt_accel::{Accelerator, AnyAccelerator};
-use rt_geometry::{Hit, Probe, TriangleMesh};
+use rt_geometry::{Hit, HitStream, Probe, RayStream, TriangleMesh};
 use rt_math::{Interval, Ray};
 use rt_shading::Texture;
 
@@ -48,23 +48,23 @@ impl MeshBlas {
         with_triangles!(self, textures, triangles => self.accelerator.occluded(triangles, ray, span, probe))
     }
 
-    pub(crate) fn closest_batch<S: Probe>(
+    pub(crate) fn closest_stream<S: Probe>(
         &self,
         textures: &[Texture],
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
+        rays: &RayStream,
+        hits: &mut HitStream,
         probe: &mut S,
     ) {
-        with_triangles!(self, textures, triangles => self.accelerator.closest_batch(triangles, rays, hits, probe));
+        with_triangles!(self, textures, triangles => self.accelerator.closest_stream(triangles, rays, hits, probe));
     }
 
-    pub(crate) fn occluded_batch<S: Probe>(
+    pub(crate) fn occluded_stream<S: Probe>(
         &self,
         textures: &[Texture],
-        rays: &[(Ray, Interval)],
+        rays: &RayStream,
         occluded: &mut [bool],
         probe: &mut S,
     ) {
-        with_triangles!(self, textures, triangles => self.accelerator.occluded_batch(triangles, rays, occluded, probe));
+        with_triangles!(self, textures, triangles => self.accelerator.occluded_stream(triangles, rays, occluded, probe));
     }
 }

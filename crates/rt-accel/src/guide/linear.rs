@@ -25,7 +25,7 @@
 //!
 //! # Eight rays at a time
 //!
-//! Batches test each of up to 16 primitives ([`SmallSet`](crate::wide::SmallSet)) with eight rays at a time. Lanes are
+//! Streams test each of up to 16 primitives ([`SmallSet`](crate::wide::SmallSet)) with eight rays at a time. Lanes are
 //! `f64`, and operations are those of the exact kernel. No data is prepared, and only grazing rays need another
 //! test. This applies to spheres, triangles and planes with a [`BatchKernel`](crate::BatchKernel). Padded bounds of other
 //! primitives are tested with eight rays at a time, and their kernels ray by ray. Accelerators among the primitives are
@@ -52,7 +52,7 @@
 //! **Cost**: n tests, no nodes, O(n) for each ray. A test takes a few nanoseconds, and about a quarter of one for
 //! spheres; 16 bytes for each sphere.
 //!
-//! **Choose it** for up to about ten primitives, or sixteen spheres in batches. [`brute_force`](crate::brute_force) is
+//! **Choose it** for up to about ten primitives, or sixteen spheres in streams. [`brute_force`](crate::brute_force) is
 //! the reference in tests.
 //!
 //! **Paper**: Appel, "Some techniques for shading machine renderings of solids", 1968, cast rays in this manner.

@@ -18,7 +18,7 @@
 //! the closest hit; the rest is tested in `f64`, about once per ray. Where at most a quarter of all primitives are
 //! something else, leaves are of spheres, with bounding spheres of the others.
 //!
-//! **Batches**: `closest_stream` takes up to 256 rays as a structure of arrays, and `closest_batch` copies slices to such streams. Eight
+//! **Streams**: [`closest_stream`](crate::Accelerator::closest_stream) takes up to 256 rays as a structure of arrays. Eight
 //! coherent rays are traced as a packet. Their directions differ from that of the first by at
 //! most an eighth of its largest component. Each box, and each triangle or sphere, is then tested with all eight. One or two remaining rays
 //! are traced alone. In trees of 256 spheres and more, up to 64 rays of one octant are culled together first by a
@@ -29,7 +29,7 @@
 //! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with more than two rays of a packet together.
 //! Put coherent rays next to each other.
 //!
-//! **Small trees** have at most 64 triangles. Incoherent rays of a batch are tested with all of them, eight rays at a time.
+//! **Small trees** have at most 64 triangles. Incoherent rays of a stream are tested with all of them, eight rays at a time.
 //! The filter leaves three candidates for each ray. The triangle that a ray starts on is skipped if the ray
 //! certainly leaves it. The nearest of the others is intersected exactly, for eight rays and triangles together. Few rays
 //! are left for the nodes. Queries that count their work use the tree.

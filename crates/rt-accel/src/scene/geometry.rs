@@ -89,14 +89,6 @@ impl<'a> Blas<'a> {
         with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded_stream(primitives, rays, occluded, probe));
     }
 
-    pub(super) fn closest_batch<S: Probe>(&self, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.bvh.closest_batch(primitives, rays, hits, probe));
-    }
-
-    pub(super) fn occluded_batch<S: Probe>(&self, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
-        with_primitives!(&self.geometry, primitives => self.tree.bvh.occluded_batch(primitives, rays, occluded, probe));
-    }
-
     /// All hits, or an empty list and an error if there is no memory for them.
     pub(super) fn try_all_hits(&self, ray: &Ray, span: Interval, hits: &mut Vec<Hit>) -> Result<(), TryReserveError> {
         with_primitives!(&self.geometry, primitives => {

@@ -1,9 +1,8 @@
 //! Instances of geometries as primitives of the top level.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
-use rt_geometry::{BatchKernel, Hit, NoProbe, Primitives, Probe};
+use rt_geometry::{BatchKernel, Hit, HitStream, NoProbe, Primitives, Probe, RayStream, with_stream_buffers};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::geometry::Blas;
@@ -28,10 +27,14 @@ impl Instance {
         self.world_from_local.as_ref().map_or(*ray, |transform| transform.inverse_ray(ray))
     }
 
-    fn local_rays<'r>(&self, rays: &'r [(Ray, Interval)]) -> Cow<'r, [(Ray, Interval)]> {
+    /// Calls `trace` with the rays in the space of the geometry.
+    fn trace_local(&self, rays: &RayStream, trace: &mut dyn FnMut(&RayStream)) {
         match &self.world_from_local {
-            None => Cow::Borrowed(rays),
-            Some(transform) => rays.iter().map(|(ray, span)| (transform.inverse_ray(ray), *span)).collect(),
+            None => trace(rays),
+            Some(transform) => with_stream_buffers(&mut |buffers| {
+                buffers.rays.set_mapped(rays, |ray| transform.inverse_ray(ray));
+                trace(&buffers.rays);
+            }),
         }
     }
 }
@@ -85,16 +88,17 @@ impl Primitives for Instances<'_, '_> {
         BatchKernel::Instance
     }
 
-    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
-        let n = rays.len().min(hits.len());
-        let Some((instance, geometry)) = self.get(index) else { return hits[..n].fill(None) };
-        geometry.closest_batch(&instance.local_rays(&rays[..n]), &mut hits[..n], probe);
-        hits[..n].iter_mut().flatten().for_each(|hit| hit.instance = instance.id);
+    fn intersect_stream<S: Probe>(&self, index: u32, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {
+        let Some((instance, geometry)) = self.get(index) else {
+            return (0..rays.len()).for_each(|at| hits.set(at, None));
+        };
+        instance.trace_local(rays, &mut |rays| geometry.closest_stream(rays, hits, probe));
+        hits.instance.as_mut_slice()[..rays.len()].fill(instance.id);
     }
 
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+    fn occludes_stream<S: Probe>(&self, index: u32, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
         let n = rays.len().min(occluded.len());
         let Some((instance, geometry)) = self.get(index) else { return occluded[..n].fill(false) };
-        geometry.occluded_batch(&instance.local_rays(&rays[..n]), &mut occluded[..n], probe);
+        instance.trace_local(rays, &mut |rays| geometry.occluded_stream(rays, occluded, probe));
     }
 }

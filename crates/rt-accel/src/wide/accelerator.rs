@@ -5,13 +5,13 @@ use core::ops::ControlFlow;
 use rt_geometry::{Hit, HitStream, Primitives, Probe, RayStream};
 use rt_math::{Aabb, Interval, Ray};
 
-use super::batch::BatchContext;
 use super::build::{BuildParams, PrimStats, build};
 use super::leaf::{LeafKind, LeafWriter, Leaves};
 use super::node::Child;
 use super::query::{PrimitiveTester, Tester, TraversalStats};
 use super::simd::{DetectedSimd, SimdLevel};
 use super::single_ray::SingleContext;
+use super::stream_traversal::StreamContext;
 use super::tree_query::TreeQuery;
 use super::triangle_list::TriangleList;
 use super::{WideBvh, sah};
@@ -101,7 +101,7 @@ impl WideBvh {
     {
         let counts_work = probe.counts_work();
         let mut tester = Tester { primitives, probe };
-        let mut context = BatchContext { tester: &mut tester, stats: TraversalStats::default(), counts_work };
+        let mut context = StreamContext { tester: &mut tester, stats: TraversalStats::default(), counts_work };
         O::trace_stream(self, &mut context, rays, outputs);
         context.stats.add_to(tester.probe);
     }

@@ -27,7 +27,7 @@ pub(super) struct EntryPoint {
 
 /// Disjoint subtrees that rays of a bundle may hit, from the nearest to the farthest.
 pub(super) struct EntryPoints {
-    /// Only the first `len` are written: most batches have no bundle, and clearing all takes longer than a node.
+    /// Only the first `len` are written: most streams have no bundle, and clearing all takes longer than a node.
     subtrees: [MaybeUninit<EntryPoint>; CAPACITY],
     len: usize,
 }

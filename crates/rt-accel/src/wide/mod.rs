@@ -10,7 +10,7 @@
 //! * `scalar`: traversal in `f64`, outside the range of the filters
 //! * `filter`: conservative tests of leaves; `entry_points`: culling of ray bundles
 //! * `query`: closest-hit and any-hit queries, and exact tests of the caller's primitives
-//! * `single_ray`, `packet`, `batch`: traversal; `list_filter`, `list_traversal`: rays of any directions in small trees;
+//! * `single_ray`, `packet`, `stream_traversal`: traversal; `list_filter`, `list_traversal`: rays of any directions in small trees;
 //!   `tree_query`: its entry points; `all_candidates`: traversal for all hits
 //! * `small_set`, `sphere_list`: primitives without a tree
 //! * `build`: binned SAH, reinsertion, and collapse of a binary tree into wide nodes; `sah`
@@ -22,7 +22,6 @@
 
 mod accelerator;
 mod all_candidates;
-mod batch;
 mod build;
 mod coherence;
 mod entry_points;
@@ -58,6 +57,7 @@ mod small_set;
 mod sphere_list;
 mod stack;
 mod stream_rays;
+mod stream_traversal;
 mod t_range;
 mod tree_query;
 mod triangle_list;

@@ -9,7 +9,7 @@
 
 use core::mem::MaybeUninit;
 
-use rt_geometry::BatchKernel;
+use rt_geometry::{BatchKernel, with_stream_buffers};
 use rt_math::Interval;
 
 use super::WideBvh;
@@ -473,21 +473,23 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         results: &mut Results<S, O>,
         mut t_max: S::F32x8,
     ) -> S::F32x8 {
-        let n = mask.count_ones() as usize;
         let rays = rays.all();
-        let (mut batch, mut lanes, mut outputs) = (*rays, [0; PACKET], [O::default(); PACKET]);
-        for at in 0..n {
-            let lane = take_lane(&mut mask);
-            lanes[at] = lane;
-            batch[at] = (rays[lane].0, results.state(lane, rays[lane].1).span());
-        }
-        self.tester.test_batch(index, &batch[..n], &mut outputs[..n]);
         let ends = self.simd.to_array(t_max);
-        for (lane, output) in lanes.into_iter().zip(outputs).take(n) {
-            let state = results.state_until(lane, rays[lane].1, ends[lane]);
-            state.merge(output);
-            t_max = self.simd.insert(t_max, lane, state.t_max());
-        }
+        with_stream_buffers(&mut |buffers| {
+            let (stream, found) = O::of_buffers(buffers);
+            let mut rest = mask;
+            while rest != 0 {
+                let lane = take_lane(&mut rest);
+                stream.push(&rays[lane].0, results.state(lane, rays[lane].1).span());
+            }
+            self.tester.test_stream(index, stream, found);
+            for at in 0..stream.len() {
+                let lane = take_lane(&mut mask);
+                let state = results.state_until(lane, rays[lane].1, ends[lane]);
+                state.merge(O::read(found, at));
+                t_max = self.simd.insert(t_max, lane, state.t_max());
+            }
+        });
         t_max
     }
 }

@@ -54,7 +54,7 @@ impl<O: Output, F: LeafTest> WithSimd<&Ray, Interval> for SingleTraversal<'_, '_
     }
 }
 
-/// Traverses the subtree below a child. If `PREDICTED`, branches choose the next child: batches trace incoherent rays one
+/// Traverses the subtree below a child. If `PREDICTED`, branches choose the next child: streams trace incoherent rays one
 /// by one, whose branches would be mispredicted.
 ///
 /// # Safety

@@ -1,10 +1,10 @@
 //! A few primitives without a tree: spheres, triangles, planes and bounds are tested with eight rays at once, instances
-//! with whole batches.
+//! with whole streams.
 
 mod entry;
 mod results;
 
-use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream};
+use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream, STREAM_CAPACITY, with_stream_buffers};
 use rt_math::{Aabb, Interval, Ray};
 
 use self::entry::SetEntry;
@@ -16,15 +16,14 @@ use super::ray_soa::RaySoa8;
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
 use super::stream_rays::N_PACKETS;
 use super::{packet_planes, packet_triangles};
-use crate::stream_buffers::{closest_in_streams, occluded_in_streams};
 
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
 /// Tests all by ascending index, with the results of [`brute_force`](crate::brute_force), bit for bit, and its
-/// [`Counters`](crate::Counters) unless there are instances. Batches intersect [`BatchKernel::Sphere`],
+/// [`Counters`](crate::Counters) unless there are instances. Streams intersect [`BatchKernel::Sphere`],
 /// [`BatchKernel::Triangle`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded
 /// bounds with eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces the rays that may pass its bounds
-/// together, and counts the work of a batch.
+/// together, and counts their work once.
 ///
 /// ```
 /// use rt_accel::{Aabb, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
@@ -71,7 +70,7 @@ impl SmallSet {
         self.indices.get(..self.len).unwrap_or(&[])
     }
 
-    /// The primitives with what batches need of them, in a buffer.
+    /// The primitives with what streams need of them, in a buffer.
     fn entries<'b, P: Primitives>(&self, primitives: &P, buffer: &'b mut [SetEntry; Self::CAPACITY]) -> &'b [SetEntry] {
         for (entry, &index) in buffer.iter_mut().zip(self.indices()) {
             *entry = SetEntry::new(primitives, index);
@@ -93,32 +92,32 @@ impl SmallSet {
         let entries = self.entries(primitives, &mut buffer);
         let mut tester = Tester { primitives, probe };
         let stats = TraversalStats::default();
-        let mut batch = Batch { entries, indices: &[], is_first: true, tester: &mut tester, stats };
+        let mut tracer = EntryTracer { entries, indices: &[], is_first: true, tester: &mut tester, stats };
         let mut indices = self.indices();
         for entries in entries.chunk_by(|a, b| !a.is_instance() && !b.is_instance()) {
-            batch.entries = entries;
-            (batch.indices, indices) = indices.split_at(entries.len());
+            tracer.entries = entries;
+            (tracer.indices, indices) = indices.split_at(entries.len());
             match entries {
-                [entry] if entry.is_instance() => batch.trace_instance(self.level, entry, rays, outputs),
+                [entry] if entry.is_instance() => tracer.trace_instance(self.level, entry, rays, outputs),
                 _ => {
                     let is_traced =
-                        entries.iter().any(SetEntry::has_kernel) && O::trace(self.level, &mut batch, rays, outputs);
+                        entries.iter().any(SetEntry::has_kernel) && O::trace(self.level, &mut tracer, rays, outputs);
                     if !is_traced {
-                        batch.trace_singly(rays, outputs);
+                        tracer.trace_singly(rays, outputs);
                     }
                 }
             }
-            batch.is_first = false;
+            tracer.is_first = false;
         }
-        if batch.is_first {
+        if tracer.is_first {
             (0..rays.len()).for_each(|at| O::default().write(outputs, at));
         }
-        batch.stats.add_to(tester.probe);
+        tracer.stats.add_to(tester.probe);
     }
 }
 
 /// Traces a stream through consecutive entries.
-struct Batch<'a, O> {
+struct EntryTracer<'a, O> {
     entries: &'a [SetEntry],
     indices: &'a [u32],
     /// True if no entries were tested before.
@@ -128,7 +127,7 @@ struct Batch<'a, O> {
     stats: TraversalStats,
 }
 
-impl<O: Output> Batch<'_, O> {
+impl<O: Output> EntryTracer<'_, O> {
     /// Traces each ray by itself.
     fn trace_singly(&mut self, rays: &RayStream, outputs: &mut O::OfStream) {
         for at in 0..rays.len() {
@@ -162,29 +161,35 @@ impl<O: Output> Batch<'_, O> {
             // Without kernels at this level, all rays may pass.
             let _ = level.dispatch_lists(BoundsTest { bounds }, rays, &mut passing);
         }
-        let mut active = Vec::with_capacity(rays.len());
-        let mut batch = Vec::with_capacity(rays.len());
+        let (mut active, mut n) = ([0; STREAM_CAPACITY], 0);
         for at in 0..rays.len() {
-            let output = if self.is_first { O::default() } else { O::read(outputs, at) };
             if self.is_first {
-                output.write(outputs, at);
-            } else if output.is_final() {
+                O::default().write(outputs, at);
+            } else if O::read(outputs, at).is_final() {
                 continue;
             }
             self.stats.tests += 1;
             if passing[at / PACKET] >> (at % PACKET) & 1 == 1 {
-                let (ray, span) = rays.get(at);
-                active.push(at);
-                batch.push((ray, Interval { max: output.t_max(span.max), ..span }));
+                active[n] = at as u8;
+                n += 1;
             }
         }
-        let mut found = vec![O::default(); batch.len()];
-        self.tester.test_batch(entry.index, &batch, &mut found);
-        for (at, found) in active.into_iter().zip(found) {
-            let mut output = O::read(outputs, at);
-            output.merge(found);
-            output.write(outputs, at);
-        }
+        let active = &active[..n];
+        with_stream_buffers(&mut |buffers| {
+            buffers.rays.set_gathered(rays, active);
+            if !self.is_first {
+                for (i, &at) in active.iter().enumerate() {
+                    buffers.rays.max.set(i, O::read(outputs, at.into()).t_max(buffers.rays.max.get(i)));
+                }
+            }
+            let (rays, found) = O::of_buffers(buffers);
+            self.tester.test_stream(entry.index, rays, found);
+            for (i, &at) in active.iter().enumerate() {
+                let mut output = O::read(outputs, at.into());
+                output.merge(O::read(found, i));
+                output.write(outputs, at.into());
+            }
+        });
     }
 
     /// Intersects one ray, whose numbers are extreme, with the entries.
@@ -296,32 +301,32 @@ impl WithSimd<&RayStream, &mut [u8; N_PACKETS]> for BoundsTest<'_> {
     }
 }
 
-/// Traces a stream of rays through the entries of a batch.
-struct StreamTraversal<'b, 'a, O> {
-    batch: &'b mut Batch<'a, O>,
+/// Traces a stream of rays through the entries of a tracer.
+struct SetTraversal<'b, 'a, O> {
+    tracer: &'b mut EntryTracer<'a, O>,
 }
 
-impl<O: SetQuery> WithSimd<&RayStream, &mut O::OfStream> for StreamTraversal<'_, '_, O> {
+impl<O: SetQuery> WithSimd<&RayStream, &mut O::OfStream> for SetTraversal<'_, '_, O> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: &RayStream, outputs: &mut O::OfStream) {
-        let batch = self.batch;
-        let has_inverse = batch.entries.iter().any(SetEntry::needs_inverse);
+        let tracer = self.tracer;
+        let has_inverse = tracer.entries.iter().any(SetEntry::needs_inverse);
         for at in (0..rays.len()).step_by(PACKET) {
             let used = (rays.len() - at).min(PACKET);
             let soa = RaySoa8::load(simd, rays, at, has_inverse);
             let all = (1 << used) - 1;
             let in_range = soa.in_safe_range(simd) & all;
-            let mut results = if batch.is_first {
+            let mut results = if tracer.is_first {
                 SetResults::new(simd, in_range)
             } else {
                 O::read_packet(simd, outputs, at, in_range)
             };
-            batch.test_entries(simd, &soa, |lane| rays.get(at + lane), &mut results);
+            tracer.test_entries(simd, &soa, |lane| rays.get(at + lane), &mut results);
             // Rays that earlier entries occlude are not tested.
             let mut out_of_range = all & !in_range & if O::ANY_HIT { !results.hit } else { !0 };
             while out_of_range != 0 {
                 let lane = take_lane(&mut out_of_range);
-                batch.trace_entries(simd, &rays.get(at + lane), lane, &mut results);
+                tracer.trace_entries(simd, &rays.get(at + lane), lane, &mut results);
             }
             O::write_packet(simd, &results, outputs, (at, used));
         }
@@ -331,7 +336,12 @@ impl<O: SetQuery> WithSimd<&RayStream, &mut O::OfStream> for StreamTraversal<'_,
 /// Queries of a set. Compiled once here, and not in every crate that traces rays.
 trait SetQuery: Output {
     /// Traces a stream. False if kernels for lists are not compiled for this level.
-    fn trace(level: DetectedSimd, batch: &mut Batch<'_, Self>, rays: &RayStream, outputs: &mut Self::OfStream) -> bool;
+    fn trace(
+        level: DetectedSimd,
+        tracer: &mut EntryTracer<'_, Self>,
+        rays: &RayStream,
+        outputs: &mut Self::OfStream,
+    ) -> bool;
 
     /// Reads the results of eight rays from index `at` on, of which those of a mask are traced further.
     fn read_packet<S: Simd>(simd: S, outputs: &Self::OfStream, at: usize, mask: u32) -> SetResults<S>;
@@ -342,8 +352,8 @@ trait SetQuery: Output {
 
 impl SetQuery for Option<Hit> {
     #[inline(never)]
-    fn trace(level: DetectedSimd, batch: &mut Batch<'_, Self>, rays: &RayStream, hits: &mut HitStream) -> bool {
-        level.dispatch_lists(StreamTraversal { batch }, rays, hits)
+    fn trace(level: DetectedSimd, tracer: &mut EntryTracer<'_, Self>, rays: &RayStream, hits: &mut HitStream) -> bool {
+        level.dispatch_lists(SetTraversal { tracer }, rays, hits)
     }
 
     #[inline(always)]
@@ -359,8 +369,8 @@ impl SetQuery for Option<Hit> {
 
 impl SetQuery for bool {
     #[inline(never)]
-    fn trace(level: DetectedSimd, batch: &mut Batch<'_, Self>, rays: &RayStream, occluded: &mut [bool]) -> bool {
-        level.dispatch_lists(StreamTraversal { batch }, rays, occluded)
+    fn trace(level: DetectedSimd, tracer: &mut EntryTracer<'_, Self>, rays: &RayStream, occluded: &mut [bool]) -> bool {
+        level.dispatch_lists(SetTraversal { tracer }, rays, occluded)
     }
 
     #[inline(always)]
@@ -396,30 +406,6 @@ impl SmallSet {
     /// True if any member occludes the ray within `span`.
     pub fn occluded<P: Primitives, S: Probe>(&self, primitives: &P, ray: &Ray, span: Interval, probe: &mut S) -> bool {
         Tester { primitives, probe }.test_all(self.indices(), ray, span)
-    }
-
-    /// [`closest`](Self::closest) for many rays, with identical results.
-    pub fn closest_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        hits: &mut [Option<Hit>],
-        probe: &mut S,
-    ) {
-        closest_in_streams(rays, hits, &mut |rays, hits| self.closest_stream(primitives, rays, hits, probe));
-    }
-
-    /// [`occluded`](Self::occluded) for many rays, with identical results.
-    pub fn occluded_batch<P: Primitives, S: Probe>(
-        &self,
-        primitives: &P,
-        rays: &[(Ray, Interval)],
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) {
-        occluded_in_streams(rays, occluded, &mut |rays, occluded| {
-            self.occluded_stream(primitives, rays, occluded, probe)
-        });
     }
 
     /// [`closest`](Self::closest) for the rays of a stream, with identical results.

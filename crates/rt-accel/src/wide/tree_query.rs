@@ -7,7 +7,6 @@ use rt_geometry::{Hit, RayStream};
 use rt_math::{Interval, Ray};
 
 use super::WideBvh;
-use super::batch::{BatchContext, BatchTraversal};
 use super::f64x8::PACKET;
 use super::filter::{BoxTest, LeafTest, SphereTest, TriangleTest};
 use super::leaf::LeafKind;
@@ -16,6 +15,7 @@ use super::query::{Output, TraversalStats};
 use super::simd::take_lane;
 use super::single_ray::{SingleContext, SingleTraversal};
 use super::stream_rays::{ALL_PACKETS, N_PACKETS, StreamRays};
+use super::stream_traversal::{StreamContext, StreamTraversal};
 
 /// Queries of a tree.
 pub(super) trait TreeQuery: TriangleListQuery {
@@ -25,7 +25,7 @@ pub(super) trait TreeQuery: TriangleListQuery {
     /// Traces the rays of a stream through a tree.
     fn trace_stream(
         tree: &WideBvh,
-        context: &mut BatchContext<'_, Self>,
+        context: &mut StreamContext<'_, Self>,
         rays: &RayStream,
         outputs: &mut Self::OfStream,
     );
@@ -48,7 +48,7 @@ macro_rules! entry_points {
         #[inline(never)]
         fn trace_stream(
             tree: &WideBvh,
-            context: &mut BatchContext<'_, Self>,
+            context: &mut StreamContext<'_, Self>,
             rays: &RayStream,
             outputs: &mut Self::OfStream,
         ) {
@@ -81,7 +81,7 @@ fn trace_ray<O: Output, F: LeafTest>(tree: &WideBvh, context: &mut SingleContext
 /// Traces some packets of a stream. False, without a result, if kernels for packets are not compiled for this level.
 #[inline(never)]
 fn trace_packets<O: Output>(
-    (tree, context): (&WideBvh, &mut BatchContext<'_, O>),
+    (tree, context): (&WideBvh, &mut StreamContext<'_, O>),
     rays: &RayStream,
     packets: u32,
     outputs: &mut O::OfStream,
@@ -99,16 +99,16 @@ fn trace_packets<O: Output>(
 #[inline(always)]
 fn trace_leaves<O: Output, F: LeafTest>(
     tree: &WideBvh,
-    context: &mut BatchContext<'_, O>,
+    context: &mut StreamContext<'_, O>,
     rays: StreamRays<'_>,
     (packets, outputs): (u32, &mut O::OfStream),
 ) -> bool {
-    tree.level.dispatch_packets(BatchTraversal { tree, context, packets, leaf_test: PhantomData::<F> }, rays, outputs)
+    tree.level.dispatch_packets(StreamTraversal { tree, context, packets, leaf_test: PhantomData::<F> }, rays, outputs)
 }
 
 /// Traces some rays of a packet, a bit for each, as single rays.
 fn trace_one_by_one<O: TreeQuery>(
-    (tree, context): (&WideBvh, &mut BatchContext<'_, O>),
+    (tree, context): (&WideBvh, &mut StreamContext<'_, O>),
     rays: &RayStream,
     (packet, mut mask): (usize, u32),
     outputs: &mut O::OfStream,

@@ -23,7 +23,7 @@ impl WideBvh {
         if count > u64::from(u32::MAX) {
             return Err(ValidationError::Count { built: self.bounded, given: self.unbounded.len() });
         }
-        // Batches take the leaves of a tree with a list for exact triangles.
+        // Streams take the leaves of a tree with a list for exact triangles.
         let is_list_whole = |list: &TriangleList| {
             self.unbounded.is_empty() && self.leaves.kind == LeafKind::Watertight && list.is_whole(count as usize)
         };
@@ -165,7 +165,7 @@ mod tests {
         Facets((0..count).map(facet).collect())
     }
 
-    /// Batches would read leaves of another kind, or test primitives that do not exist.
+    /// Streams would read leaves of another kind, or test primitives that do not exist.
     #[test]
     fn lists_that_do_not_fit_the_tree_are_refused() {
         let tree = WideBvh::build(&facets(5)).expect("five triangles");

@@ -28,7 +28,7 @@ pub struct WideBvh {
     /// Maximum coordinate relative to the centre.
     pub(super) size: f64,
     pub(super) unbounded: Vec<u32>,
-    /// All primitives of a small tree, for batches.
+    /// All primitives of a small tree, for streams.
     pub(super) list: Option<TriangleList>,
     /// Number of bounded primitives.
     pub(super) bounded: u32,
@@ -39,7 +39,7 @@ pub struct WideBvh {
 }
 
 impl WideBvh {
-    /// Maximum number of triangles of a tree that keeps a list of them, some 200 bytes each. Batches test incoherent rays with the whole
+    /// Maximum number of triangles of a tree that keeps a list of them, some 200 bytes each. Streams test incoherent rays with the whole
     /// list.
     pub const LIST_CAPACITY: usize = MAX_TRIANGLES;
 

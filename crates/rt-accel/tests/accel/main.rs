@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "tests fail by panicking and print what they tried")]
 
-mod batches;
+#[macro_use]
+mod streams;
+
 mod degenerate;
 mod differential;
 mod distant_instances;

@@ -127,8 +127,7 @@ fn hits_without_a_number_are_misses() {
         assert_eq!(hits.iter().map(key).collect::<Vec<_>>(), [(1.5f64.to_bits(), 0, 2)], "{name}");
         let mut first = [None; 4];
         assert_eq!(accelerator.first_hits(&Planes, &ray, Interval::FORWARD, &mut first, &mut NoProbe), 1, "{name}");
-        let mut closest = [None; 9];
-        accelerator.closest_batch(&Planes, &[(ray, Interval::FORWARD); 9], &mut closest, &mut NoProbe);
+        let closest = closest!(accelerator, &Planes, &[(ray, Interval::FORWARD); 9], &mut NoProbe);
         assert!(closest.iter().all(|hit| hit.is_some_and(|hit| hit.t == 1.5)), "{name}");
     }
 }

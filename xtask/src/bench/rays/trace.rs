@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 use rt_accel::{Accelerator, AcceleratorVisitor, AnyAccelerator, NoProbe};
-use rt_geometry::{Hit, TriangleMesh};
-use rt_math::{Interval, Ray};
+use rt_geometry::{Hit, STREAM_CAPACITY, StreamBuffers, TriangleMesh};
 
 use super::files::RayRecord;
 
@@ -54,7 +53,7 @@ impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
 
     fn visit<T: Accelerator>(self, accelerator: &T) {
         let Self { mesh, method: Method { query, batch }, rays, answers } = self;
-        for_each_share(rays, answers, batch.unwrap_or(SHARE), &|scratch, records, answers| match (batch, query) {
+        for_each_share(rays, answers, batch.unwrap_or(SHARE), &|buffers, records, answers| match (batch, query) {
             (None, Query::Closest) => {
                 for (record, answer) in records.iter().zip(answers) {
                     let (ray, span) = record.widen();
@@ -67,50 +66,39 @@ impl<A: Answer> AcceleratorVisitor for Trace<'_, A> {
                     *answer = accelerator.occluded(mesh, &ray, span, &mut NoProbe).into();
                 }
             }
-            (Some(_), Query::Closest) => {
-                scratch.widen(records);
-                scratch.hits.clear();
-                scratch.hits.resize(records.len(), None);
-                accelerator.closest_batch(mesh, &scratch.rays, &mut scratch.hits, &mut NoProbe);
-                store(&scratch.hits, answers);
-            }
-            (Some(_), Query::Occluded) => {
-                scratch.widen(records);
-                scratch.occluded.clear();
-                scratch.occluded.resize(records.len(), false);
-                accelerator.occluded_batch(mesh, &scratch.rays, &mut scratch.occluded, &mut NoProbe);
-                store(&scratch.occluded, answers);
-            }
+            (Some(_), Query::Closest) => for_each_stream(buffers, records, answers, |buffers, answers| {
+                accelerator.closest_stream(mesh, &buffers.rays, &mut buffers.hits, &mut NoProbe);
+                answers.iter_mut().enumerate().for_each(|(at, answer)| *answer = buffers.hits.get(at).into());
+            }),
+            (Some(_), Query::Occluded) => for_each_stream(buffers, records, answers, |buffers, answers| {
+                accelerator.occluded_stream(mesh, &buffers.rays, buffers.occluded.as_mut_slice(), &mut NoProbe);
+                answers.iter_mut().enumerate().for_each(|(at, answer)| *answer = buffers.occluded.get(at).into());
+            }),
         });
     }
 }
 
-/// Work on consecutive rays and their answers, with the scratch arrays of its thread.
-type ShareWork<'w, A> = dyn Fn(&mut Batch, &[RayRecord], &mut [A]) + Sync + 'w;
+/// Calls `trace` with the rays in one stream after the other, and their answers.
+fn for_each_stream<A>(
+    buffers: &mut StreamBuffers,
+    records: &[RayRecord],
+    answers: &mut [A],
+    mut trace: impl FnMut(&mut StreamBuffers, &mut [A]),
+) {
+    for (records, answers) in records.chunks(STREAM_CAPACITY).zip(answers.chunks_mut(STREAM_CAPACITY)) {
+        buffers.rays.clear();
+        for (ray, span) in records.iter().map(RayRecord::widen) {
+            buffers.rays.push(&ray, span);
+        }
+        trace(buffers, answers);
+    }
+}
+
+/// Work on consecutive rays and their answers, with the buffers of its thread.
+type ShareWork<'w, A> = dyn Fn(&mut StreamBuffers, &[RayRecord], &mut [A]) + Sync + 'w;
 
 /// Does the work on all rays, `share` at a time. Compiled once for all accelerators, unlike the work.
 fn for_each_share<A: Send>(rays: &[RayRecord], answers: &mut [A], share: usize, work: &ShareWork<'_, A>) {
     let shares = rays.par_chunks(share).zip(answers.par_chunks_mut(share));
-    shares.for_each_init(Batch::default, |batch, (rays, answers)| work(batch, rays, answers));
-}
-
-/// Scratch arrays for the rays of a batch and their hits, reused by each thread.
-#[derive(Default)]
-struct Batch {
-    rays: Vec<(Ray, Interval)>,
-    hits: Vec<Option<Hit>>,
-    occluded: Vec<bool>,
-}
-
-impl Batch {
-    fn widen(&mut self, records: &[RayRecord]) {
-        self.rays.clear();
-        self.rays.extend(records.iter().map(RayRecord::widen));
-    }
-}
-
-fn store<F: Copy, A: From<F>>(found: &[F], answers: &mut [A]) {
-    for (answer, found) in answers.iter_mut().zip(found) {
-        *answer = (*found).into();
-    }
+    shares.for_each_init(StreamBuffers::default, |buffers, (rays, answers)| work(buffers, rays, answers));
 }

@@ -1,6 +1,6 @@
 //! Results of queries.
 
-use rt_geometry::{Hit, HitStream};
+use rt_geometry::{Hit, HitStream, RayStream, StreamBuffers};
 
 /// Result of a query for one ray.
 pub(crate) trait Output: Copy + Default {
@@ -18,6 +18,9 @@ pub(crate) trait Output: Copy + Default {
 
     /// The output of a ray of a stream, as it was written.
     fn read(outputs: &Self::OfStream, at: usize) -> Self;
+
+    /// Rays and outputs of buffers.
+    fn of_buffers(buffers: &mut StreamBuffers) -> (&mut RayStream, &mut Self::OfStream);
 
     fn from_hit(hit: Option<Hit>) -> Self;
 
@@ -66,6 +69,10 @@ impl Output for Option<Hit> {
         hits.get(at)
     }
 
+    fn of_buffers(buffers: &mut StreamBuffers) -> (&mut RayStream, &mut HitStream) {
+        (&mut buffers.rays, &mut buffers.hits)
+    }
+
     #[inline(always)]
     fn from_hit(hit: Option<Hit>) -> Self {
         hit
@@ -93,6 +100,10 @@ impl Output for bool {
     #[inline(always)]
     fn read(occluded: &[bool], at: usize) -> Self {
         occluded.get(at).is_some_and(|occluded| *occluded)
+    }
+
+    fn of_buffers(buffers: &mut StreamBuffers) -> (&mut RayStream, &mut [bool]) {
+        (&mut buffers.rays, buffers.occluded.as_mut_slice())
     }
 
     #[inline(always)]

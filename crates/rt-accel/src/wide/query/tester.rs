@@ -1,21 +1,22 @@
 //! Exact tests of primitives behind a dynamic call, so that traversal kernels do not depend on the primitives' type.
 
 use rt_geometry::{
-    BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe, SphereKernel, intersect_primitive_batch,
-    intersect_primitive_uncounted, occludes_primitive_batch, occludes_primitive_uncounted,
+    BatchKernel, Hit, HitStream, PrimitiveGeometry, Primitives, Probe, RayStream, SphereKernel,
+    intersect_primitive_stream, intersect_primitive_uncounted, occludes_primitive_stream, occludes_primitive_uncounted,
 };
 use rt_math::{Interval, Ray};
 
+use super::Output;
 use crate::ray_query::{AnyHit, Closest};
 use crate::{RayQuery, brute_force, wide::WideBvh};
 
 /// Exact tests of the caller's primitives.
-pub(crate) trait PrimitiveTester<O>: PrimitiveKinds {
+pub(crate) trait PrimitiveTester<O: Output>: PrimitiveKinds {
     /// Tests one primitive; the caller counts the test.
     fn test(&mut self, index: u32, ray: &Ray, span: Interval) -> O;
 
-    /// Tests one primitive with several rays: `outputs[i]` belongs to `rays[i]`. The caller counts the tests.
-    fn test_batch(&mut self, index: u32, rays: &[(Ray, Interval)], outputs: &mut [O]);
+    /// Tests one primitive with the rays of a stream. The caller counts the tests.
+    fn test_stream(&mut self, index: u32, rays: &RayStream, outputs: &mut O::OfStream);
 
     /// Tests all listed primitives and counts the tests.
     fn test_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> O;
@@ -64,8 +65,8 @@ impl<P: Primitives, S: Probe> PrimitiveTester<Option<Hit>> for Tester<'_, P, S> 
         intersect_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
-    fn test_batch(&mut self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>]) {
-        intersect_primitive_batch(self.primitives, index, rays, hits, self.probe);
+    fn test_stream(&mut self, index: u32, rays: &RayStream, hits: &mut HitStream) {
+        intersect_primitive_stream(self.primitives, index, rays, hits, self.probe);
     }
 
     fn test_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> Option<Hit> {
@@ -90,8 +91,8 @@ impl<P: Primitives, S: Probe> PrimitiveTester<bool> for Tester<'_, P, S> {
         occludes_primitive_uncounted(self.primitives, index, ray, span, self.probe)
     }
 
-    fn test_batch(&mut self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool]) {
-        occludes_primitive_batch(self.primitives, index, rays, occluded, self.probe);
+    fn test_stream(&mut self, index: u32, rays: &RayStream, occluded: &mut [bool]) {
+        occludes_primitive_stream(self.primitives, index, rays, occluded, self.probe);
     }
 
     fn test_all(&mut self, indices: &[u32], ray: &Ray, span: Interval) -> bool {

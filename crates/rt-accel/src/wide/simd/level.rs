@@ -8,7 +8,7 @@ use super::x86;
 /// Instruction set of the traversal kernels.
 ///
 /// On x86-64, the feature `all-simd` of the crate compiles trees for AVX-512, and portable packets, which take half of the time to
-/// build the crate. Without it, AVX2 replaces AVX-512 in trees, but not in lists of few primitives. Rays of a batch are then traced one
+/// build the crate. Without it, AVX2 replaces AVX-512 in trees, but not in lists of few primitives. Rays of a stream are then traced one
 /// by one at the portable level. The results are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,4 +1,4 @@
-//! The triangles of a small tree as a list, for batches of rays of any directions.
+//! The triangles of a small tree as a list, for streams of rays of any directions.
 
 mod entry;
 mod list;

@@ -92,15 +92,13 @@ fn rays_that_are_no_rays_get_the_same_answer_everywhere() {
 }
 
 #[test]
-fn batches_equal_single_queries() {
+fn streams_equal_single_queries() {
     let soup = Soup::mixed(&mut Draw::new(21));
     let all = Accelerators::build(&soup);
     let rays: Vec<_> =
         rays_at(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), 100).into_iter().map(|ray| (ray, FORWARD)).collect();
-    let mut hits = vec![None; 100];
-    let mut occluded = vec![false; 100];
-    all.bvh().closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
-    all.bvh().occluded_batch(&soup, &rays, &mut occluded, &mut NoProbe);
+    let hits = closest!(all.bvh(), &soup, &rays, &mut NoProbe);
+    let occluded = occluded!(all.bvh(), &soup, &rays, &mut NoProbe);
     for (i, (ray, span)) in rays.iter().enumerate() {
         assert_eq!(hits[i], all.closest(&soup, ray, *span));
         assert_eq!(occluded[i], hits[i].is_some());

@@ -1,35 +1,27 @@
-//! Batches give the results of single queries: for coherent bundles, incoherent rays and mixes, in small and large trees.
+//! Streams give the results of single queries: for coherent bundles, incoherent rays and mixes, in small and large trees.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
-use rt_accel::{Aabb, BatchKernel, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray};
-use rt_geometry::{HitStream, RayStream, STREAM_CAPACITY};
+use rt_accel::{
+    Aabb, BatchKernel, DVec3, Hit, HitStream, Interval, PrimitiveGeometry, Primitives, Ray, RayStream, STREAM_CAPACITY,
+};
 use rt_tests::Draw;
 
-/// Traces a batch for closest and any hits: of trees and of small sets, which share no trait.
-macro_rules! trace_batch {
-    ($accel:expr, $primitives:expr, $rays:expr, $counters:expr) => {{
-        let (mut hits, mut occluded) = (vec![None; $rays.len()], vec![false; $rays.len()]);
-        $accel.closest_batch($primitives, $rays, &mut hits, $counters);
-        $accel.occluded_batch($primitives, $rays, &mut occluded, $counters);
-        (hits, occluded)
-    }};
+/// Closest hits of an accelerator or a small set, which share no trait: `closest!(accelerator, primitives, rays, probe)`.
+macro_rules! closest {
+    ($accel:expr, $primitives:expr, $rays:expr, $probe:expr) => {
+        crate::streams::closest($rays, |rays, hits| $accel.closest_stream($primitives, rays, hits, $probe))
+    };
 }
 
-/// Version of `trace_batch` for a stream.
-macro_rules! trace_stream {
-    ($accel:expr, $primitives:expr, $rays:expr, $counters:expr) => {{
-        let (stream, mut hits) = (super::stream_of($rays), rt_geometry::HitStream::default());
-        let mut occluded = vec![true; $rays.len() + 9];
-        $accel.closest_stream($primitives, &stream, &mut hits, $counters);
-        $accel.occluded_stream($primitives, &stream, &mut occluded, $counters);
-        let unused = occluded.split_off($rays.len());
-        assert!(unused.iter().all(|occluded| *occluded), "entries beyond the stream are not changed");
-        (super::hits_of(&hits, $rays.len()), occluded)
-    }};
+/// Version of `closest` for any hits.
+macro_rules! occluded {
+    ($accel:expr, $primitives:expr, $rays:expr, $probe:expr) => {
+        crate::streams::occluded($rays, |rays, occluded| $accel.occluded_stream($primitives, rays, occluded, $probe))
+    };
 }
 
 mod instances;
@@ -89,18 +81,36 @@ fn bundles(soup: &Soup, n_rays: usize, draw: &mut Draw) -> Vec<(Ray, Interval)> 
     rays
 }
 
+pub(crate) fn closest(rays: &[(Ray, Interval)], mut trace: impl FnMut(&RayStream, &mut HitStream)) -> Vec<Option<Hit>> {
+    let mut hits = HitStream::default();
+    let mut all = Vec::new();
+    for rays in rays.chunks(STREAM_CAPACITY) {
+        trace(&stream_of(rays), &mut hits);
+        all.extend((0..rays.len()).map(|at| hits.get(at)));
+    }
+    all
+}
+
+pub(crate) fn occluded(rays: &[(Ray, Interval)], mut trace: impl FnMut(&RayStream, &mut [bool])) -> Vec<bool> {
+    let mut all = Vec::new();
+    for rays in rays.chunks(STREAM_CAPACITY) {
+        let mut occluded = vec![true; rays.len() + 9];
+        trace(&stream_of(rays), &mut occluded);
+        let unused = occluded.split_off(rays.len());
+        assert!(unused.iter().all(|occluded| *occluded), "entries beyond the stream are not changed");
+        all.extend(occluded);
+    }
+    all
+}
+
 /// Rays as a stream that held others before: numbers behind the last ray have no meaning.
-fn stream_of(rays: &[(Ray, Interval)]) -> RayStream {
+pub(crate) fn stream_of(rays: &[(Ray, Interval)]) -> RayStream {
     let mut stream = RayStream::default();
     let others = [f64::NAN, 1e300, -0.5].map(|number| Ray::new(DVec3::splat(number), DVec3::new(-number, 1.0, number)));
     others.iter().cycle().take(STREAM_CAPACITY).for_each(|other| stream.push(other, Interval::FORWARD));
     stream.clear();
     rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
     stream
-}
-
-fn hits_of(hits: &HitStream, count: usize) -> Vec<Option<Hit>> {
-    (0..count).map(|at| hits.get(at)).collect()
 }
 
 fn key(hit: Option<Hit>) -> Option<(u64, u32, u32, [u64; 2])> {

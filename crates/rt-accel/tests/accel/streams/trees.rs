@@ -1,35 +1,25 @@
-//! Batches of rays through trees.
+//! Streams of rays through trees.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SimdLevel;
 use rt_accel::{Accelerator, Counters, DVec3, Interval, NoProbe, Ray, SphereKernel, WideBvh, brute_force};
-use rt_geometry::STREAM_CAPACITY;
 use rt_math::Vec3;
 
 use super::{Counting, bundles, key, levels};
 use crate::soup::{Solid, Soup, run_seed, sheet};
 use rt_tests::Draw;
 
-/// Compares batches of all sizes with single queries, and streams with batches.
+/// Compares streams of all sizes with single queries.
 fn compare(name: &str, accelerator: &WideBvh, soup: &Soup, n_rays: usize, draw: &mut Draw) {
     let rays = bundles(soup, n_rays, draw);
     let (mut n_hits, mut first) = (0, 0);
-    let (mut single, mut batched) = (Counters::default(), Counters::default());
+    let (mut single, mut streamed) = (Counters::default(), Counters::default());
     while first < rays.len() {
         let n = draw.pick(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 64, 1000]).min(rays.len() - first);
         let rays = &rays[first..first + n];
-        let mut hits = vec![None; n];
-        let mut occluded = vec![false; n];
-        if n <= STREAM_CAPACITY {
-            let (mut of_batch, mut of_stream) = (Counters::default(), Counters::default());
-            let expected = trace_batch!(accelerator, soup, rays, &mut of_batch);
-            let (hits, occluded) = trace_stream!(accelerator, soup, rays, &mut of_stream);
-            assert!(hits.iter().zip(&expected.0).all(|(hit, expected)| key(*hit) == key(*expected)), "{name}");
-            assert_eq!((occluded, of_stream), (expected.1, of_batch), "{name}, {n} rays");
-        }
-        accelerator.closest_batch(soup, rays, &mut hits, &mut batched);
-        accelerator.occluded_batch(soup, rays, &mut occluded, &mut NoProbe);
+        let hits = closest!(accelerator, soup, rays, &mut streamed);
+        let occluded = occluded!(accelerator, soup, rays, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
             let expected = accelerator.closest(soup, ray, *span, &mut single);
             assert_eq!(key(hits[i]), key(expected), "{name}, ray {}: {ray:?} {span:?}", first + i);
@@ -39,24 +29,24 @@ fn compare(name: &str, accelerator: &WideBvh, soup: &Soup, n_rays: usize, draw: 
         first += n;
     }
     assert!(n_hits > n_rays / 10, "{name}: {n_hits} hits");
-    let (single, batched) = (single.total(), batched.total());
-    // Work shared by many rays is counted once, so batches may do much less.
-    let is_no_more = |batched: u64, single: u64| batched as f64 <= 1.5 * single as f64 && 16 * batched > single;
+    let (single, streamed) = (single.total(), streamed.total());
+    // Work shared by many rays is counted once, so streams may do much less.
+    let is_no_more = |streamed: u64, single: u64| streamed as f64 <= 1.5 * single as f64 && 16 * streamed > single;
     assert!(
-        is_no_more(batched.nodes, single.nodes) && is_no_more(batched.tests, single.tests),
-        "{name}: {single:?} {batched:?}"
+        is_no_more(streamed.nodes, single.nodes) && is_no_more(streamed.tests, single.tests),
+        "{name}: {single:?} {streamed:?}"
     );
     // Few exact hits are computed beyond the results.
     assert!(
-        batched.hits >= n_hits as u64 && batched.hits as f64 <= 1.1 * single.hits as f64,
-        "{name}: {n_hits} hits, {single:?} {batched:?}"
+        streamed.hits >= n_hits as u64 && streamed.hits as f64 <= 1.1 * single.hits as f64,
+        "{name}: {n_hits} hits, {single:?} {streamed:?}"
     );
 }
 
 #[test]
-fn batches_through_small_trees_equal_single_queries() {
+fn streams_through_small_trees_equal_single_queries() {
     let seed = run_seed();
-    println!("batches: seed {seed}");
+    println!("trees: seed {seed}");
     type Kind = (&'static str, fn(&mut Draw) -> Soup);
     let kinds: [Kind; 11] = [
         ("facets", Soup::facets),
@@ -103,8 +93,7 @@ fn packets_test_a_floor_among_spheres_together() {
     for level in levels().filter(|level| *level != SimdLevel::Portable) {
         let wide = WideBvh::build(&soup).unwrap().with_level(level);
         let counting = Counting(&soup, AtomicU32::new(0));
-        let mut occluded = vec![false; rays.len()];
-        wide.occluded_batch(&counting, &rays, &mut occluded, &mut NoProbe);
+        let occluded = occluded!(wide, &counting, &rays, &mut NoProbe);
         for (occluded, (ray, span)) in occluded.iter().zip(&rays) {
             assert_eq!(*occluded, brute_force::occluded(&soup, ray, *span, &mut NoProbe), "{ray:?}");
         }
@@ -123,7 +112,7 @@ fn bundles_are_culled_once() {
     let nodes_of = |n_together: usize| {
         let mut counters = Counters::default();
         for rays in rays.chunks(n_together) {
-            wide.closest_batch(&soup, rays, &mut vec![None; rays.len()], &mut counters);
+            closest!(wide, &soup, rays, &mut counters);
         }
         counters.total().nodes
     };
@@ -154,9 +143,7 @@ fn the_last_occluder_is_tested_first() {
             let nodes_of = |n_together: usize| {
                 let mut counters = Counters::default();
                 for rays in occluded.chunks(n_together) {
-                    let mut answers = vec![false; rays.len()];
-                    tree.occluded_batch(soup, rays, &mut answers, &mut counters);
-                    assert!(answers.iter().all(|occluded| *occluded));
+                    assert!(occluded!(tree, soup, rays, &mut counters).iter().all(|occluded| *occluded));
                 }
                 counters.total().nodes
             };
@@ -164,8 +151,7 @@ fn the_last_occluder_is_tested_first() {
             assert!(10 * together < apart, "{} {turned}: {together} nodes instead of {apart}", level.name());
 
             let mixed: Vec<_> = (0..512).map(|i| ray(i, if i / 20 % 2 == 0 { 0.0 } else { 40.0 })).collect();
-            let mut answers = vec![false; mixed.len()];
-            tree.occluded_batch(soup, &mixed, &mut answers, &mut NoProbe);
+            let answers = occluded!(tree, soup, &mixed, &mut NoProbe);
             for (i, ((ray, span), occluded)) in mixed.iter().zip(answers).enumerate() {
                 assert_eq!(occluded, brute_force::occluded(soup, ray, *span, &mut NoProbe), "ray {i}");
             }
@@ -185,8 +171,8 @@ fn candidates_beyond_the_closest_hit_are_dropped() {
         soup.0.insert(place, Solid::Sphere { centre: DVec3::ZERO, radius: 0.5 });
         for level in levels() {
             let wide = WideBvh::build(&soup).unwrap().with_level(level);
-            let (mut hits, mut counters) = ([None; 8], Counters::default());
-            wide.closest_batch(&soup, &rays, &mut hits, &mut counters);
+            let mut counters = Counters::default();
+            let hits = closest!(wide, &soup, &rays, &mut counters);
             assert!(hits.iter().all(|hit| hit.is_some_and(|hit| hit.primitive == place as u32)), "{hits:?}");
             assert_eq!(counters.total().hits, 8, "{}, sphere {place} of 8", level.name());
         }
@@ -195,9 +181,9 @@ fn candidates_beyond_the_closest_hit_are_dropped() {
 
 /// Rays are interleaved in trees of more than 8 MiB.
 #[test]
-fn batches_through_large_trees_equal_single_queries() {
+fn streams_through_large_trees_equal_single_queries() {
     let seed = run_seed();
-    println!("batches: seed {seed}");
+    println!("trees: seed {seed}");
     let bumps = |x: f64, z: f64| DVec3::new(x, 0.1 * (20.0 * x * z).fract(), z);
     let triangles = || Soup(sheet(280, bumps).collect());
     let facet = |solid: &Solid| match *solid {
@@ -243,8 +229,7 @@ fn padding_lanes_do_nothing() {
                 let ray = |k: u64| Ray::new(eye, DVec3::new(at(0) + 1e-6 * k as f64, at(1), at(2)) - eye);
                 let rays = [0, 1, 2, 3].map(|k| (ray(k), Interval::FORWARD));
                 let rays = if i % 2 == 0 { &rays[..] } else { &rays[..3] };
-                let mut hits = vec![None; rays.len()];
-                tree.closest_batch(&soup, rays, &mut hits, &mut together);
+                let hits = closest!(tree, &soup, rays, &mut together);
                 for ((ray, span), hit) in rays.iter().zip(hits) {
                     assert_eq!(key(hit), key(tree.closest(&soup, ray, *span, &mut single)));
                     n_hits += usize::from(hit.is_some());
@@ -262,7 +247,7 @@ fn padding_lanes_do_nothing() {
 
 /// Rays outside the range of the filters, or not finite, among others.
 #[test]
-fn batches_with_odd_rays_equal_single_queries() {
+fn streams_with_odd_rays_equal_single_queries() {
     let soup = Soup::facets(&mut Draw::new(5));
     const N: usize = 72;
     let wide = WideBvh::build(&soup).unwrap();
@@ -284,14 +269,12 @@ fn batches_with_odd_rays_equal_single_queries() {
                 let rays: Vec<_> = (0..N)
                     .map(|at| if at == place { (odd, span) } else { (neighbour(at), Interval::FORWARD) })
                     .collect();
-                let mut hits = vec![None; N];
-                wide.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
-                let (streamed, occluded) = trace_stream!(wide, &soup, &rays, &mut NoProbe);
+                let hits = closest!(wide, &soup, &rays, &mut NoProbe);
+                let occluded = occluded!(wide, &soup, &rays, &mut NoProbe);
                 for (at, (ray, span)) in rays.iter().enumerate() {
                     let expected = wide.closest(&soup, ray, *span, &mut NoProbe);
                     assert_eq!(key(hits[at]), key(expected), "odd ray {i} at {place}, {span:?}");
-                    assert_eq!(key(streamed[at]), key(expected), "odd ray {i} of a stream at {place}, {span:?}");
-                    assert_eq!(occluded[at], expected.is_some(), "odd ray {i} of a stream at {place}, {span:?}");
+                    assert_eq!(occluded[at], expected.is_some(), "odd ray {i} at {place}, {span:?}");
                 }
             }
         }

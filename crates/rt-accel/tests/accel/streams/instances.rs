@@ -1,14 +1,12 @@
-//! Batches of rays through sets with instances.
+//! Streams of rays through sets with instances.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
 use rt_accel::{
-    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, Interval, NoProbe, Primitives, Probe, Ray, WideBvh,
-    brute_force,
+    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, HitStream, Interval, NoProbe, Primitives, Probe, Ray,
+    RayStream, WideBvh, brute_force,
 };
-
-use rt_geometry::STREAM_CAPACITY;
 
 use super::{bundles, key, levels, with_odd_ones};
 use crate::soup::{Solid, Soup, run_seed};
@@ -74,15 +72,15 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
     fn casts_shadow(&self, index: u32) -> bool {
         self.things[index as usize].casts_shadow
     }
-    fn intersect_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], hits: &mut [Option<Hit>], probe: &mut S) {
+    fn intersect_stream<S: Probe>(&self, index: u32, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {
         let Thing { soup, accelerator, .. } = self.things[index as usize];
-        accelerator.unwrap().closest_batch(soup, rays, hits, probe);
-        hits.iter_mut().flatten().for_each(|hit| hit.instance = index);
+        accelerator.unwrap().closest_stream(soup, rays, hits, probe);
+        hits.instance.as_mut_slice()[..rays.len()].fill(index);
     }
-    fn occludes_batch<S: Probe>(&self, index: u32, rays: &[(Ray, Interval)], occluded: &mut [bool], probe: &mut S) {
+    fn occludes_stream<S: Probe>(&self, index: u32, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
         let Thing { soup, accelerator, casts_shadow } = self.things[index as usize];
         if casts_shadow {
-            accelerator.unwrap().occluded_batch(soup, rays, occluded, probe);
+            accelerator.unwrap().occluded_stream(soup, rays, occluded, probe);
         } else {
             occluded.fill(false);
         }
@@ -121,22 +119,10 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
             let wide = WideBvh::build(&yard).unwrap().with_level(level);
             let [mut counted, mut expected] = [Counters::default(); 2];
             for rays in rays.chunks(draw.pick(&[1, 5, 13, 64, 300])) {
-                let (hits, occluded) = trace_batch!(small_set, &yard, rays, &mut counted);
-                let (wide_hits, wide_occluded) = trace_batch!(wide, &yard, rays, &mut Counters::default());
-                // Without what lies beyond the capacity.
-                let of_stream = &rays[..rays.len().min(STREAM_CAPACITY)];
-                for (streamed, occluded_in_stream) in [
-                    trace_stream!(small_set, &yard, of_stream, &mut Counters::default()),
-                    trace_stream!(wide, &yard, of_stream, &mut Counters::default()),
-                ] {
-                    for (i, hit) in streamed.into_iter().enumerate() {
-                        assert_eq!(
-                            (key(hit), occluded_in_stream[i]),
-                            (key(hits[i]), occluded[i]),
-                            "round {round}, {i}"
-                        );
-                    }
-                }
+                let hits = closest!(small_set, &yard, rays, &mut counted);
+                let occluded = occluded!(small_set, &yard, rays, &mut counted);
+                let wide_hits = closest!(wide, &yard, rays, &mut NoProbe);
+                let wide_occluded = occluded!(wide, &yard, rays, &mut NoProbe);
                 for (i, (ray, span)) in rays.iter().enumerate() {
                     let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
                     let hit = brute_force::closest(&yard, ray, *span, &mut expected);
@@ -155,16 +141,16 @@ fn compare_yards<T: Accelerator>(seed: u64, build: fn(&Soup) -> T, counts: bool)
     assert!(n_hits > 3000, "{n_hits} hits");
 }
 
-/// Bit-identical results, with no more work than brute force where the instances' accelerator counts batches as single rays.
+/// Bit-identical results, with no more work than brute force where the instances' accelerator counts streams as single rays.
 #[test]
-fn batches_through_instances_equal_single_queries() {
+fn streams_through_instances_equal_single_queries() {
     let seed = run_seed();
-    println!("batches: seed {seed}");
+    println!("instances: seed {seed}");
     compare_yards(seed, |soup| Bvh::build(soup).unwrap(), true);
     compare_yards(seed, |soup| WideBvh::build(soup).unwrap(), false);
 }
 
-/// Results do not depend on batches of instances, so this test counts single-ray queries.
+/// Results do not depend on streams of instances, so this test counts single-ray queries.
 #[test]
 fn packets_enter_instances_together() {
     let draw = &mut Draw::new(3);
@@ -187,19 +173,18 @@ fn packets_enter_instances_together() {
     for level in levels() {
         let tree = WideBvh::build(&yard).unwrap().with_level(level);
         let small_set = SmallSet::new(0..12).unwrap().with_level(level);
-        // A batch of four is a packet of four.
+        // A stream of four is a packet of four.
         for (wide, together) in [(true, rays.len()), (true, 4), (false, rays.len())] {
             yard.n_single.store(0, Ordering::Relaxed);
             let (mut hits, mut occluded) = (Vec::new(), Vec::new());
             for rays in rays.chunks(together) {
-                let counters = &mut Counters::default();
-                let (h, b) = if wide {
-                    trace_batch!(tree, &yard, rays, counters)
+                if wide {
+                    hits.extend(closest!(tree, &yard, rays, &mut NoProbe));
+                    occluded.extend(occluded!(tree, &yard, rays, &mut NoProbe));
                 } else {
-                    trace_batch!(small_set, &yard, rays, counters)
-                };
-                hits.extend(h);
-                occluded.extend(b);
+                    hits.extend(closest!(small_set, &yard, rays, &mut NoProbe));
+                    occluded.extend(occluded!(small_set, &yard, rays, &mut NoProbe));
+                }
             }
             let n_single = yard.n_single.load(Ordering::Relaxed);
             for (i, &hit) in expected.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Batches of rays through trees of so few triangles that incoherent rays are tested against all of them.
+//! Streams of rays through trees of so few triangles that incoherent rays are tested against all of them.
 
 use rt_accel::{Aabb, Accelerator, Counters, DVec3, Interval, NoProbe, Ray, WideBvh, brute_force};
 use rt_geometry::{InteractionFlags, Probe, STREAM_CAPACITY, ShapeHit, Triangle};
@@ -22,17 +22,14 @@ impl Probe for NodesOfOpenRays {
     }
 }
 
-/// Compares batches of many sizes with brute force, and streams with batches; returns the number of hits.
+/// Compares streams of many sizes with brute force; returns the number of hits.
 fn compare(name: &str, tree: &WideBvh, soup: &Soup, rays: &[(Ray, Interval)], draw: &mut Draw) -> usize {
     let (mut n_hits, mut first) = (0, 0);
     while first < rays.len() {
         let n = draw.pick(&[1, 2, 3, 5, 8, 13, 64, 100, STREAM_CAPACITY]).min(rays.len() - first);
         let rays = &rays[first..first + n];
-        let (hits, occluded) = trace_batch!(tree, soup, rays, &mut NoProbe);
-        let (streamed, occluded_in_stream) = trace_stream!(tree, soup, rays, &mut NoProbe);
-        for (i, hit) in streamed.into_iter().enumerate() {
-            assert_eq!((key(hit), occluded_in_stream[i]), (key(hits[i]), occluded[i]), "{name}: {:?}", rays[i]);
-        }
+        let hits = closest!(tree, soup, rays, &mut NoProbe);
+        let occluded = occluded!(tree, soup, rays, &mut NoProbe);
         for (i, (ray, span)) in rays.iter().enumerate() {
             let expected = brute_force::closest(soup, ray, *span, &mut NoProbe);
             assert_eq!(key(hits[i]), key(expected), "{name}: {ray:?} {span:?}");
@@ -93,7 +90,7 @@ fn slivers(draw: &mut Draw) -> [Solid; 3] {
 }
 
 #[test]
-fn batches_through_few_triangles_equal_brute_force() {
+fn streams_through_few_triangles_equal_brute_force() {
     let seed = run_seed();
     println!("small trees: seed {seed}");
     let draw = &mut Draw::new(seed);
@@ -136,7 +133,7 @@ fn batches_through_few_triangles_equal_brute_force() {
 
 /// The list has only the first of equal triangles.
 #[test]
-fn batches_hit_the_first_of_equal_triangles() {
+fn streams_hit_the_first_of_equal_triangles() {
     let quad = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
     let corners: Vec<Vec3> = quad.iter().chain(&quad).chain(&[Vec3::Z]).copied().collect();
     let triangles = [[0, 1, 8], [0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
@@ -144,10 +141,10 @@ fn batches_hit_the_first_of_equal_triangles() {
     // Rays of different octants go through the list.
     let rays = [(0.2, DVec3::new(0.3, 0.1, -1.0)), (0.8, DVec3::new(-0.3, -0.1, -1.0))]
         .map(|(x, direction)| (Ray::new(DVec3::new(x, 0.5, 0.0) - direction, direction), Interval::FORWARD));
-    let (rays, mut hits) = (rays.repeat(5), [None; 10]);
     let tree = WideBvh::build(&soup).unwrap();
-    tree.closest_batch(&soup, &rays, &mut hits, &mut NoProbe);
-    assert_eq!(hits.map(|hit| hit.map(|hit| hit.primitive)), core::array::from_fn(|at| Some(2 - (at as u32 % 2))));
+    for (at, hit) in closest!(tree, &soup, &rays.repeat(5), &mut NoProbe).into_iter().enumerate() {
+        assert_eq!(hit.map(|hit| hit.primitive), Some(2 - (at as u32 % 2)));
+    }
 }
 
 /// Results would also be right if all rays were left open, so this test counts nodes. Every ray starts on a triangle, and most
@@ -180,16 +177,16 @@ fn few_rays_need_the_nodes_of_a_small_tree() {
     }
     for level in levels() {
         let tree = WideBvh::build(&soup).unwrap().with_level(level);
-        let (mut occluded, mut to_lights) = (vec![false; segments.len()], NodesOfOpenRays::default());
-        tree.occluded_batch(&soup, &segments, &mut occluded, &mut to_lights);
+        let mut to_lights = NodesOfOpenRays::default();
+        let occluded = occluded!(tree, &soup, &segments, &mut to_lights);
         let n_free = occluded.iter().filter(|is_occluded| !**is_occluded).count();
         assert!(n_free > 300 && to_lights.0 <= 700, "{}: {} nodes, {n_free} rays free", level.name(), to_lights.0);
         let (mut closest, mut any) = (NodesOfOpenRays::default(), NodesOfOpenRays::default());
-        tree.closest_batch(&soup, &rays, &mut vec![None; rays.len()], &mut closest);
-        tree.occluded_batch(&soup, &rays, &mut vec![false; rays.len()], &mut any);
+        closest!(tree, &soup, &rays, &mut closest);
+        occluded!(tree, &soup, &rays, &mut any);
         assert!(closest.0 <= 40 && any.0 <= 40, "{}: {} and {} nodes", level.name(), closest.0, any.0);
         let mut counted = Counters::default();
-        tree.closest_batch(&soup, &rays, &mut vec![None; rays.len()], &mut counted);
+        closest!(tree, &soup, &rays, &mut counted);
         assert!(counted.total().nodes >= rays.len() as u64, "queries that count take the tree");
     }
 }

@@ -33,24 +33,24 @@ const MIN_PRIMS_TO_CULL: u32 = 256;
 /// Rays are interleaved in trees of more bytes. In smaller ones a ray takes fewer instructions by itself.
 const INTERLEAVE_MIN_BYTES: usize = 8 << 20;
 
-/// Traces a batch through a tree whose leaves have the test `F`.
-pub(super) struct BatchTraversal<'q, 'j, O, F> {
+/// Traces a stream through a tree whose leaves have the test `F`.
+pub(super) struct StreamTraversal<'q, 'j, O, F> {
     pub(super) tree: &'q WideBvh,
-    pub(super) context: &'q mut BatchContext<'j, O>,
+    pub(super) context: &'q mut StreamContext<'j, O>,
     /// A bit for each packet whose rays are traced.
     pub(super) packets: u32,
     pub(super) leaf_test: PhantomData<F>,
 }
 
-/// Exact tests and statistics of a batch.
-pub(crate) struct BatchContext<'j, O> {
+/// Exact tests and statistics of a stream.
+pub(crate) struct StreamContext<'j, O> {
     pub(super) tester: &'j mut dyn PrimitiveTester<O>,
     pub(super) stats: TraversalStats,
     /// True if the caller uses the statistics.
     pub(super) counts_work: bool,
 }
 
-impl<O: Output, F: LeafTest> WithSimd<StreamRays<'_>, &mut O::OfStream> for BatchTraversal<'_, '_, O, F> {
+impl<O: Output, F: LeafTest> WithSimd<StreamRays<'_>, &mut O::OfStream> for StreamTraversal<'_, '_, O, F> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S, rays: StreamRays<'_>, outputs: &mut O::OfStream) {
         let mut pool = RayPool::<S, F, O> {
@@ -94,7 +94,7 @@ impl<O: Output, F: LeafTest> WithSimd<StreamRays<'_>, &mut O::OfStream> for Batc
 struct ActiveRay<'r, S: Simd, F, O> {
     trav: TravRay<'r, S, F>,
     state: RayState<O>,
-    /// Index in the batch.
+    /// Index in the stream.
     index: usize,
 }
 
@@ -177,7 +177,7 @@ impl RayQueue {
     }
 }
 
-/// A batch, and its rays in flight.
+/// A stream, and its rays in flight.
 struct RayPool<'r, 'q, S: Simd, F, O: Output> {
     simd: S,
     tree: &'q WideBvh,
@@ -208,7 +208,7 @@ struct RayPool<'r, 'q, S: Simd, F, O: Output> {
 }
 
 impl<'r, S: Simd, F: LeafTest, O: Output> RayPool<'r, '_, S, F, O> {
-    /// Traces packets and single rays until all slots are filled with interleaved rays or the batch ends.
+    /// Traces packets and single rays until all slots are filled with interleaved rays or the stream ends.
     #[inline(always)]
     fn refill(&mut self) {
         loop {
