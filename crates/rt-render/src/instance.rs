@@ -535,6 +535,10 @@ impl Primitives for Instances<'_> {
         match &self.instances[index as usize].geometry {
             InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
             InstanceGeometry::Shape(Shape::Plane(plane)) => BatchKernel::Plane(*plane),
+            InstanceGeometry::Shape(Shape::Polygon(polygon)) => {
+                let corners = polygon.convex_quadrilateral();
+                corners.map_or(BatchKernel::Single, |corners| BatchKernel::Quadrilateral(*polygon.plane(), corners))
+            }
             InstanceGeometry::Triangle(triangle) => triangle.mesh.batch_kernel(triangle.index),
             geometry if geometry.is_accelerator() => BatchKernel::Instance,
             _ => BatchKernel::Single,

@@ -60,7 +60,7 @@ impl WithSimd<PacketRays<'_>, &mut ExactPacketHits> for ExactPacket<'_> {
                     }
                 }
             }
-            BatchKernel::Plane(_) | BatchKernel::Instance | BatchKernel::Single => {}
+            BatchKernel::Quadrilateral(..) | BatchKernel::Plane(_) | BatchKernel::Instance | BatchKernel::Single => {}
         }
     }
 }

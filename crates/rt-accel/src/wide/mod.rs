@@ -39,6 +39,7 @@ mod list_traversal;
 mod node;
 mod packet;
 mod packet_planes;
+mod packet_quadrilaterals;
 mod packet_slabs;
 mod packet_spheres;
 mod packet_triangles;

@@ -24,17 +24,17 @@ const VOLUME_ERROR_BOUND: f64 = 16.0 * UNIT_ROUNDOFF;
 
 /// A vertex in the space of the rays.
 #[derive(Clone, Copy)]
-struct RaySpaceVertex<S: Simd> {
-    x: F64x8<S>,
-    y: F64x8<S>,
+pub(super) struct RaySpaceVertex<S: Simd> {
+    pub(super) x: F64x8<S>,
+    pub(super) y: F64x8<S>,
     /// Distance from the origin along the main axis.
-    z: F64x8<S>,
+    pub(super) z: F64x8<S>,
     /// The same as a parameter of the ray.
     depth: F64x8<S>,
 }
 
 /// Axes and shear of the space of the rays.
-struct Shear<S: Simd> {
+pub(super) struct Shear<S: Simd> {
     axes: [usize; 3],
     x: F64x8<S>,
     y: F64x8<S>,
@@ -43,13 +43,13 @@ struct Shear<S: Simd> {
 
 impl<S: Simd> Shear<S> {
     #[inline(always)]
-    fn new(simd: S, [x, y, z]: [usize; 3], rays: &RaySoa8<S>) -> Self {
+    pub(super) fn new(simd: S, [x, y, z]: [usize; 3], rays: &RaySoa8<S>) -> Self {
         let scale = rays.inverse[z];
         Self { axes: [x, y, z], x: rays.direction[x].mul(simd, scale), y: rays.direction[y].mul(simd, scale), scale }
     }
 
     #[inline(always)]
-    fn in_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
+    pub(super) fn in_ray_space(&self, simd: S, rays: &RaySoa8<S>, corner: DVec3) -> RaySpaceVertex<S> {
         self.lanes_in_ray_space(simd, rays, &F64x8::splat3(simd, corner))
     }
 
@@ -70,16 +70,14 @@ impl<S: Simd> Shear<S> {
 
 /// Twice the area between ray and edge.
 #[inline(always)]
-fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> F64x8<S> {
+pub(super) fn area<S: Simd>(simd: S, a: &RaySpaceVertex<S>, b: &RaySpaceVertex<S>) -> F64x8<S> {
     a.x.mul(simd, b.y).sub(simd, a.y.mul(simd, b.x))
 }
 
-/// SIMD version of [`WatertightRay::edge_error`], from the vertices.
+/// SIMD version of [`WatertightRay::edge_error`].
 #[inline(always)]
-fn edge_error<S: Simd>(simd: S, [a, b, c]: [&RaySpaceVertex<S>; 3]) -> F64x8<S> {
-    let of_x = max_abs(simd, [a.x, b.x, c.x]);
-    let across = of_x.max(simd, max_abs(simd, [a.y, b.y, c.y]));
-    let sum = across.add(simd, max_abs(simd, [a.z, b.z, c.z]));
+pub(super) fn edge_error<S: Simd>(simd: S, across: F64x8<S>, along: F64x8<S>) -> F64x8<S> {
+    let sum = across.add(simd, along);
     let [of_product, of_coordinate, min] = WatertightRay::EDGE_ERROR.map(|bound| F64x8::splat(simd, bound));
     sum.mul(simd, of_product).mul(simd, across.add(simd, sum.mul(simd, of_coordinate))).max(simd, min)
 }
@@ -168,7 +166,8 @@ impl<S: Simd> RaySpaceTriangle<S> {
         let (u, v, w) = (area(simd, &c, &b), area(simd, &a, &c), area(simd, &b, &a));
         let smallest = u.abs(simd).min(simd, v.abs(simd)).min(simd, w.abs(simd));
         // NaN is uncertain: its comparison with the least bound fails, also after the minimum.
-        let edge_error = edge_error(simd, [&a, &b, &c]);
+        let across = max_abs(simd, [a.x, b.x, c.x]).max(simd, max_abs(simd, [a.y, b.y, c.y]));
+        let edge_error = edge_error(simd, across, max_abs(simd, [a.z, b.z, c.z]));
         let has_certain_signs = edge_error.lt(simd, smallest);
         let zero = F64x8::splat(simd, 0.0);
         let has_negative = u.lt(simd, zero) | v.lt(simd, zero) | w.lt(simd, zero);

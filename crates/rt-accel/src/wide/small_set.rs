@@ -15,13 +15,13 @@ use super::query::{Output, PrimitiveTester, Tester, TraversalStats};
 use super::ray_soa::RaySoa8;
 use super::simd::{DetectedSimd, Simd, SimdLevel, WithSimd, take_lane};
 use super::stream_rays::N_PACKETS;
-use super::{packet_planes, packet_triangles};
+use super::{packet_planes, packet_quadrilaterals, packet_triangles};
 
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
 /// Tests all by ascending index, with the results of [`brute_force`](crate::brute_force), bit for bit, and its
 /// [`Counters`](crate::Counters) unless there are instances. Streams intersect [`BatchKernel::Sphere`],
-/// [`BatchKernel::Triangle`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded
+/// [`BatchKernel::Triangle`], [`BatchKernel::Quadrilateral`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded
 /// bounds with eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces the rays that may pass its bounds
 /// together, and counts their work once.
 ///
@@ -268,6 +268,17 @@ impl<O: Output> EntryTracer<'_, O> {
                     let hits = packet_planes::intersect(simd, plane, soa);
                     self.stats.hits += results.accept::<O>(simd, *hit_ids, active, &hits);
                     0
+                }
+                BatchKernel::Quadrilateral(plane, corners) => {
+                    let passing =
+                        bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, results.t));
+                    if passing == 0 {
+                        continue;
+                    }
+                    let shape = (plane, corners);
+                    let hits = packet_quadrilaterals::intersect(simd, shape, soa, by_axis, passing);
+                    self.stats.hits += results.accept::<O>(simd, *hit_ids, passing, &hits);
+                    hits.uncertain
                 }
                 BatchKernel::Instance | BatchKernel::Single => {
                     bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, results.t))

@@ -131,6 +131,13 @@ impl Polygon {
         self.rule.is_inside(self.rings(), &WatertightRay::new(ray)).then_some(hit)
     }
 
+    /// Corners of a flat polygon of four under [`InsideRule::Convex`]; `None` for all others. A ray that crosses the
+    /// [plane](Self::plane), and passes all edges on the same side, is inside.
+    pub fn convex_quadrilateral(&self) -> Option<[DVec3; 4]> {
+        let is_flat_and_convex = self.rule == InsideRule::Convex && !self.bent;
+        self.vertices[..].try_into().ok().filter(|_| is_flat_and_convex)
+    }
+
     /// Plane of the polygon: the surface at its hits is that of the plane, but for texture coordinates.
     pub const fn plane(&self) -> &Plane {
         &self.plane

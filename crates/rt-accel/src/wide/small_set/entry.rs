@@ -11,7 +11,7 @@ pub(super) struct SetEntry {
     pub(super) hit_ids: [u32; 2],
     pub(super) casts_shadow: bool,
     pub(super) kernel: BatchKernel,
-    /// Padded bounds of an instance, or of a primitive that is intersected ray by ray; `None` if it is unbounded.
+    /// Padded bounds of an instance, of a quadrilateral, or of a primitive that is intersected ray by ray; `None` if it is unbounded.
     pub(super) bounds: Option<Aabb>,
 }
 
@@ -27,7 +27,9 @@ impl SetEntry {
             casts_shadow: primitives.casts_shadow(index),
             kernel,
             bounds: match kernel {
-                BatchKernel::Single | BatchKernel::Instance => padded_bounds(primitives, index),
+                BatchKernel::Single | BatchKernel::Instance | BatchKernel::Quadrilateral(..) => {
+                    padded_bounds(primitives, index)
+                }
                 _ => None,
             },
         }

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rt_accel::wide::SmallSet;
+use rt_accel::wide::{SimdLevel, SmallSet};
 use rt_accel::{
     Aabb, Accelerator, BatchKernel, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, SlabRay,
     SphereKernel, WideBvh, brute_force,
 };
-use rt_geometry::STREAM_CAPACITY;
+use rt_geometry::{InsideRule, Polygon, STREAM_CAPACITY};
 use rt_math::Vec3;
 
 use super::{Counting, bundles, key, levels, stream_of, with_odd_ones};
@@ -240,4 +240,99 @@ fn bounds_and_planes_are_tested_without_the_scalar_test() {
         let n_single = counting.1.load(Ordering::Relaxed) as usize;
         assert!(n_single <= n_allowed && n_allowed < 2 * rays.len(), "{n_single} scalar tests, {n_allowed} allowed");
     }
+}
+
+/// Polygons as primitives, with the kernel of those that have one. Counts scalar tests.
+struct Polygons(Vec<Polygon>, AtomicU32);
+
+impl Primitives for Polygons {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, index: u32) -> Option<Aabb> {
+        Some(self.0[index as usize].bounds())
+    }
+    fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        let hit = self.0[index as usize].intersect(ray, span)?;
+        Some(Hit { t: hit.t, instance: 0, primitive: index, uv: hit.uv })
+    }
+    fn batch_kernel(&self, index: u32) -> BatchKernel {
+        let polygon = &self.0[index as usize];
+        let corners = polygon.convex_quadrilateral();
+        corners.map_or(BatchKernel::Single, |corners| BatchKernel::Quadrilateral(*polygon.plane(), corners))
+    }
+}
+
+/// Rays to the insides, edges and corners of quadrilaterals of any kind, or next to them, also in and along their planes.
+#[test]
+fn quadrilaterals_equal_brute_force() {
+    const SHARES: [f64; 7] = [0.0, 0.0, 1.0, 0.5, 1e-12, -1e-12, 1.5];
+    let seed = run_seed();
+    println!("quadrilaterals: seed {seed}");
+    let draw = &mut Draw::new(seed);
+    let mut counts = [0; 3];
+    for round in 0..60 {
+        let scale = draw.pick(&[1.0, 1.0, 1e-3, 1e12, 1e-30]);
+        let offset = DVec3::new(1.0, -0.7, 0.3) * draw.pick(&[0.0, 0.0, 1e4]);
+        let mut polygons = Vec::new();
+        while polygons.len() < 8 {
+            let (origin, mut u, mut v) = (draw.point() + offset, draw.point(), draw.point());
+            match draw.below(4) {
+                0 => (u, v) = (DVec3::X * u.x, DVec3::Z * v.z),
+                // A sliver.
+                1 => v = u * 0.3 + v * draw.pick(&[1e-3, 1e-9]),
+                _ => {}
+            }
+            // A parallelogram or a trapezium; some have a fifth corner, or the rule of concave polygons.
+            let mut outline = vec![origin, origin + u, origin + u * draw.pick(&[1.0, 0.5]) + v, origin + v];
+            if draw.one_in(8) {
+                outline.insert(1, origin + u * 0.5);
+            }
+            outline.iter_mut().for_each(|corner| *corner *= scale);
+            let rule = draw.pick(&[InsideRule::Convex, InsideRule::Convex, InsideRule::Convex, InsideRule::EvenOdd]);
+            polygons.extend(Polygon::new(outline, Vec::new(), rule));
+        }
+        let polygons = Polygons(polygons, AtomicU32::new(0));
+        let mut rays = Vec::new();
+        for _ in 0..600 {
+            let polygon = &polygons.0[draw.below(8)];
+            let ring = polygon.rings().next().unwrap();
+            let [a, b, d] = [ring[0], ring[1], ring[ring.len() - 1]];
+            let mut share = || if draw.one_in(2) { draw.between(0.0, 1.0) } else { draw.pick(&SHARES) };
+            let target = a + (b - a) * share() + (d - a) * share();
+            let any = draw.point();
+            let out = draw.pick(&[any, polygon.normal(), (b - a) / scale, DVec3::Y]) * scale;
+            let origin = target - out * draw.pick(&[1.0, 30.0, 1e-9, 0.0]);
+            let span = draw.pick(&[Interval::FORWARD, Interval::SEGMENT, Interval::new(0.5, 1.0)]);
+            rays.push((Ray::new(origin, draw.pick(&[out, target - origin])), span));
+        }
+        let rays = with_odd_ones(rays, draw);
+        for level in levels() {
+            let small_set = SmallSet::new(0..8).unwrap().with_level(level);
+            let tree = WideBvh::build(&polygons).unwrap().with_level(level);
+            polygons.1.store(0, Ordering::Relaxed);
+            let (hits, occluded) = (
+                closest!(small_set, &polygons, &rays, &mut NoProbe),
+                occluded!(small_set, &polygons, &rays, &mut NoProbe),
+            );
+            if level != SimdLevel::Portable {
+                counts[0] += polygons.1.load(Ordering::Relaxed);
+                counts[1] += 2 * rays.len() as u32;
+            }
+            let of_tree = closest!(tree, &polygons, &rays, &mut NoProbe);
+            let occluded_by_tree = occluded!(tree, &polygons, &rays, &mut NoProbe);
+            for (i, (ray, span)) in rays.iter().enumerate() {
+                let name = format!("round {round}, {}, {ray:?} {span:?}", level.name());
+                let expected = brute_force::closest(&polygons, ray, *span, &mut NoProbe);
+                assert_eq!([key(hits[i]), key(of_tree[i])], [key(expected); 2], "{name}");
+                let is_occluded = brute_force::occluded(&polygons, ray, *span, &mut NoProbe);
+                assert_eq!([occluded[i], occluded_by_tree[i]], [is_occluded; 2], "{name}");
+                counts[2] += u32::from(expected.is_some());
+            }
+        }
+    }
+    println!("{counts:?}");
+    let [n_single, n_rays, n_hits] = counts;
+    assert!(n_hits > 20_000 && n_single < 3 * n_rays, "{n_single} scalar tests for {n_rays} rays, {n_hits} hits");
 }
