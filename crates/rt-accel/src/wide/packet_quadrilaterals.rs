@@ -1,8 +1,11 @@
 //! Intersection of eight rays with a convex quadrilateral: the operations of [`Polygon::intersect`](rt_geometry::Polygon::intersect) in
 //! lanes of `f64`, with the same bits.
 //!
-//! The scalar test resolves edges on whose sides rounding may be wrong, rays that do not pass all edges on the same side, and hits that depend
-//! on the padded bounds.
+//! The scalar test resolves
+//!
+//! * sides of edges whose sign rounding may have changed,
+//! * rays that do not pass all edges on the same side, and
+//! * hits that depend on the padded bounds.
 
 use rt_geometry::Plane;
 use rt_math::DVec3;
@@ -53,9 +56,9 @@ fn inside_all_edges<S: Simd>(simd: S, corners: &[DVec3; 4], rays: &RaySoa8<S>, a
     let across = max_of_four(simd, of_x).max(simd, max_of_four(simd, of_y));
 
     let error = edge_error(simd, across, max_of_four(simd, [a.z, b.z, c.z, d.z]));
-    let least = sides[0].min(simd, sides[1]).min(simd, sides[2].min(simd, sides[3]));
-    let greatest = sides[0].max(simd, sides[1]).max(simd, sides[2].max(simd, sides[3]));
-    error.lt(simd, least) | greatest.lt(simd, F64x8::splat(simd, 0.0).sub(simd, error))
+    let min = sides[0].min(simd, sides[1]).min(simd, sides[2].min(simd, sides[3]));
+    let max = sides[0].max(simd, sides[1]).max(simd, sides[2].max(simd, sides[3]));
+    error.lt(simd, min) | max.lt(simd, F64x8::splat(simd, 0.0).sub(simd, error))
 }
 
 /// Maximum of the magnitudes of four numbers.
