@@ -68,7 +68,7 @@ fn format_of(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"glTF") {
         return Some("glb");
     }
-    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+    if matches!(without_mark(bytes), [b'p', b'l', b'y', b'\n' | b'\r', ..]) {
         return Some("ply");
     }
     match *beginning(bytes)? {
@@ -78,9 +78,14 @@ fn format_of(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Content without its byte order mark.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
 /// Content without leading white space and RON comments.
 fn beginning(bytes: &[u8]) -> Option<&[u8]> {
-    let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut rest = without_mark(bytes);
     loop {
         rest = rest.trim_ascii_start();
         let (end, is_comment) = match rest {
@@ -119,6 +124,7 @@ mod tests {
             ("{\"asset\": {\"version\": \"2.0\"}}", Some("gltf")),
             ("glTF\u{2}", Some("glb")),
             ("ply\nformat ascii 1.0\n", Some("ply")),
+            ("\u{feff}ply\nformat ascii 1.0\n", Some("ply")),
             ("v 0 0 0\n", None),
             ("solid cube\n", None),
             ("// nothing but a comment", None),

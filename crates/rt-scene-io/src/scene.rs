@@ -401,6 +401,8 @@ pub struct KnownMean {
     pub mean: Rgb,
     /// Source of the value.
     pub note: String,
+    /// Width and height of the image that the file describes. An image of another aspect ratio has another mean.
+    pub size: [u64; 2],
 }
 
 /// A scene ready to be compiled to a plan.

@@ -105,6 +105,7 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
         || input.at_time.is_some()
         || input.timing.shutter.is_some()
         || image.background.is_some()
+        || scene.truth.as_ref().is_some_and(|truth| has_other_aspect(image.size, truth.size))
         || view.camera.is_some()
         || view.look_from.is_some()
         || view.look_at.is_some()
@@ -116,13 +117,20 @@ fn reference_kind(args: &ConvergeArgs, scene: &Scene, image: &ImageArgs) -> Resu
             refuse("truth: the scene declares no mean radiance; choose reference or split")
         }
         Some(ReferenceKind::Truth) if is_other_view => refuse(
-            "truth: the declared mean holds for the view, lights and time of the scene only; remove options such as --crop, --env and --at-time",
+            "truth: the declared mean holds for the view, aspect ratio, lights and time of the scene only; remove options such as --crop, \
+             --size, --env and --at-time",
         ),
         Some(kind) => Ok(kind),
         None if args.reference.is_some() => Ok(ReferenceKind::Reference),
         None if scene.truth.is_some() && !is_other_view => Ok(ReferenceKind::Truth),
         None => Ok(ReferenceKind::Split),
     }
+}
+
+/// True if the size of `--size` has another aspect ratio than that of the file.
+fn has_other_aspect(size: Option<[u32; 2]>, of_file: [u64; 2]) -> bool {
+    let [width, height] = of_file.map(u128::from);
+    size.is_some_and(|[w, h]| u128::from(w) * height != u128::from(h) * width)
 }
 
 /// Reference that needs no render.

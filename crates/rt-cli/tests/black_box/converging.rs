@@ -127,6 +127,18 @@ fn a_truth_is_measured_against() {
     place.fails(3, "converge half.ron --spp 1 --seeds 2 --reference missing.exr", "missing.exr: ");
 }
 
+/// The mean of a square image was the truth of a wide one, which shows more.
+#[test]
+fn a_truth_is_not_that_of_an_image_with_another_aspect_ratio() {
+    let place = Workplace::with("half.ron", HALF);
+    for (size, against) in [("8x4", "split"), ("10x10", "truth")] {
+        let report = json(&place, &format!("half.ron --spp 1 --seeds 2 --size {size} --quiet"));
+        assert_eq!(report["against"], against, "{size}");
+    }
+    let said = "--reference-kind truth: the declared mean holds for the view, aspect ratio, lights and time";
+    place.fails(2, "converge half.ron --spp 1 --seeds 2 --size 8x4 --reference-kind truth", said);
+}
+
 #[test]
 fn a_reference_is_measured_against() {
     let place = place();

@@ -7,6 +7,14 @@ use serde_ply::{ElementDef, PlyFormat, PlyHeader, PropertyType, ScalarType};
 use super::rows::{COLOR, COLUMNS, CORNERS, POSITION, STRIPS, column};
 use crate::LoadErrorKind;
 
+/// Removes the byte order mark that some editors write before text.
+pub(super) fn remove_mark(bytes: &mut Vec<u8>) {
+    const MARK: &[u8] = "\u{feff}".as_bytes();
+    if bytes.starts_with(MARK) {
+        bytes.drain(..MARK.len());
+    }
+}
+
 /// Replaces the line ends of old Macintosh systems up to the end of the header: binary data follow.
 pub(super) fn unify_line_ends(bytes: &mut [u8]) {
     const END: &[u8] = b"\rend_header\r";

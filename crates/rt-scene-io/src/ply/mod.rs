@@ -69,6 +69,7 @@ fn peak_bytes(sample: &FileSample) -> u64 {
 /// Number of rows that the header declares for an element.
 fn count(sample: &FileSample, name: &str) -> u64 {
     let mut head = sample.head().to_vec();
+    header::remove_mark(&mut head);
     header::unify_line_ends(&mut head);
     let header = PlyReader::from_reader(&mut head.as_slice()).map(|reader| reader.header().clone()).ok();
     header.and_then(|header| header.get_element(name).map(|element| element.count as u64)).unwrap_or(0)
@@ -76,6 +77,7 @@ fn count(sample: &FileSample, name: &str) -> u64 {
 
 /// Loads the file that `bytes` hold; `path` is for messages.
 pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUvs) -> Result<Model, LoadError> {
+    header::remove_mark(&mut bytes);
     if bytes.starts_with(b"ply\rformat ascii") {
         unify_line_ends(&mut bytes);
     }

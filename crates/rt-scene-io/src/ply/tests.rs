@@ -52,6 +52,18 @@ fn lines_of_text_may_end_in_carriage_returns() {
     assert_eq!(load_all(SQUARE.replace('\n', "\r")).expect("a square").mesh_data(0).triangles.len(), 2);
 }
 
+/// Text with a byte order mark was no PLY file. Text of all other formats may have one.
+#[test]
+fn text_may_begin_with_a_byte_order_mark() {
+    for text in [SQUARE.to_owned(), SQUARE.replace('\n', "\r\n"), SQUARE.replace('\n', "\r")] {
+        let bytes = format!("\u{feff}{text}").into_bytes();
+        let sample = FileSample::read(std::io::Cursor::new(&bytes), bytes.len() as u64).expect("a sample");
+        assert_eq!((count(&sample, "vertex"), count(&sample, "face")), (4, 1));
+        let model = load_all(bytes).expect("a square");
+        assert_eq!((model.mesh_data(0).triangles.len(), model.warnings.len()), (2, 0));
+    }
+}
+
 /// A binary file whose header has the line ends of old Macintosh systems was refused.
 #[test]
 fn lines_of_a_binary_header_may_end_in_carriage_returns() {

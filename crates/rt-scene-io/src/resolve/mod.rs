@@ -98,7 +98,7 @@ pub(crate) fn resolve_with(
     }
     let truth = file.truth.as_ref().and_then(|truth| {
         let mean = report.check("truth.mean", value::colour(&truth.mean))?;
-        Some(KnownMean { mean, note: truth.note.clone() })
+        Some(KnownMean { mean, note: truth.note.clone(), size: file.film.size.into() })
     });
     let stem = || source.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let name = file.name.clone().unwrap_or_else(stem);

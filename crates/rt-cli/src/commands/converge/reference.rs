@@ -231,7 +231,7 @@ mod tests {
     fn a_truth_is_of_the_mean_over_the_image() {
         let mut film = Image::new(2, 1, false);
         film.pixels_mut().copy_from_slice(&[[1.0, 0.0, 0.0], [3.0, 0.0, 0.5]]);
-        let truth = KnownMean { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new() };
+        let truth = KnownMean { mean: Rgb::new(1.5, 0.0, 0.0), note: String::new(), size: [1; 2] };
         let errors = Reference::KnownMean(truth).measure(&film).expect("any");
         let expected = Errors {
             mse: (0.25 + 0.0625) / 3.0,
