@@ -66,7 +66,7 @@ pub enum Material {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         ior: Option<f64>,
         /// Share the light between `mirror` and `transmission` by Fresnel's equations; by default both are constant, as in
-        /// Whitted's model.
+        /// Whitted's model. The transmitted share is then lost on total internal reflection.
         ///
         /// Default: `false`. Example: `fresnel: true`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
