@@ -8,7 +8,7 @@ pub struct Hit {
     pub t: f64,
     /// Index of the instance; 0 without instances.
     pub instance: u32,
-    /// Index of the primitive within the instance. `u32::MAX` is that of a miss in a [`HitStream`](crate::HitStream): queries of batches
+    /// Index of the primitive within the instance. `u32::MAX` is that of a miss in a [`HitStream`](crate::HitStream): streams
     /// drop such hits.
     pub primitive: u32,
     /// Parameters on the primitive: barycentric weights of the second and third vertex of a triangle, otherwise as

@@ -37,8 +37,8 @@ pub enum BatchKernel {
     /// [`SphereKernel::intersect`](crate::SphereKernel::intersect), with `uv` 0. `bounds` contains the box of the centre plus and minus the
     /// radius, as rounded.
     Sphere(SphereKernel),
-    /// [`Polygon::intersect`](crate::Polygon::intersect) of a polygon on this plane
-    /// ([`convex_quadrilateral`](crate::Polygon::convex_quadrilateral)). The primitive's `bounds` are the smallest box around the corners.
+    /// [`Polygon::intersect`](crate::Polygon::intersect) of a polygon on this plane with these corners, one after the other around it
+    /// ([`convex_quadrilateral`](crate::Polygon::convex_quadrilateral)), with `uv` 0. `bounds` is the smallest box around the corners.
     Quadrilateral(Plane, [DVec3; 4]),
     /// [`Plane::intersect`], unbounded.
     Plane(Plane),

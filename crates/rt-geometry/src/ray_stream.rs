@@ -138,7 +138,8 @@ impl RayStream {
         self.grow(1);
     }
 
-    /// Replaces the rays by those of other indices in another stream. Indices beyond the capacity are ignored.
+    /// Replaces the rays by those of another stream with these indices, which are less than its length. Those beyond the capacity
+    /// are ignored.
     pub fn set_gathered(&mut self, from: &Self, indices: &[u8]) {
         let indices = &indices[..indices.len().min(STREAM_CAPACITY)];
         let gather = |to: &mut StreamArray<f64>, from: &StreamArray<f64>| {

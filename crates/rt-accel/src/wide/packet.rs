@@ -474,7 +474,8 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
         mut t_max: S::F32x8,
     ) -> S::F32x8 {
         let rays = rays.all();
-        let ends = self.simd.to_array(t_max);
+        let mut outputs = [O::default(); PACKET];
+        // Not compiled for the instructions of the kernel.
         with_stream_buffers(&mut |buffers| {
             let (stream, found) = O::of_buffers(buffers);
             let mut rest = mask;
@@ -483,13 +484,20 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                 stream.push(&rays[lane].0, results.state(lane, rays[lane].1).span());
             }
             self.tester.test_stream(index, stream, found);
-            for at in 0..stream.len() {
-                let lane = take_lane(&mut mask);
-                let state = results.state_until(lane, rays[lane].1, ends[lane]);
-                state.merge(O::read(found, at));
-                t_max = self.simd.insert(t_max, lane, state.t_max());
+            for (at, output) in outputs.iter_mut().enumerate().take(stream.len()) {
+                *output = O::read(found, at);
             }
         });
+        let ends = self.simd.to_array(t_max);
+        for output in outputs {
+            if mask == 0 {
+                break;
+            }
+            let lane = take_lane(&mut mask);
+            let state = results.state_until(lane, rays[lane].1, ends[lane]);
+            state.merge(output);
+            t_max = self.simd.insert(t_max, lane, state.t_max());
+        }
         t_max
     }
 }

@@ -1,5 +1,5 @@
-//! A few primitives without a tree: spheres, triangles, planes and bounds are tested with eight rays at once, instances
-//! with whole streams.
+//! A few primitives without a tree: spheres, triangles, quadrilaterals, planes and bounds are tested with eight rays at once,
+//! instances with whole streams.
 
 mod entry;
 mod results;
@@ -20,10 +20,10 @@ use super::{packet_planes, packet_quadrilaterals, packet_triangles};
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
 /// Tests all by ascending index, with the results of [`brute_force`](crate::brute_force), bit for bit, and its
-/// [`Counters`](crate::Counters) unless there are instances. Streams intersect [`BatchKernel::Sphere`],
-/// [`BatchKernel::Triangle`], [`BatchKernel::Quadrilateral`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded
-/// bounds with eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces the rays that may pass its bounds
-/// together, and counts their work once.
+/// [`Counters`](crate::Counters) unless there are instances. Streams intersect [`BatchKernel::Sphere`], [`BatchKernel::Triangle`],
+/// [`BatchKernel::Quadrilateral`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded bounds with
+/// eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces the rays that may pass its bounds together, and counts
+/// their work once.
 ///
 /// ```
 /// use rt_accel::{Aabb, Boxes, DVec3, Interval, NoProbe, Ray, wide::SmallSet};
