@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{
     BatchKernel, Hit, HitStream, InteractionFlags, PrimitiveGeometry, Primitives, Probe, RayStream, Shape, ShapeHit,
-    SurfaceInteraction, TransformedShape, TriangleMesh, with_stream_buffers,
+    SurfaceInteraction, TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
 use rt_shading::{NormalMap, StreamPrimitive, StreamShape, SurfaceHit, Texture, light::LightId};
@@ -147,7 +147,7 @@ impl Aggregate {
     }
 
     /// Converts a hit within the group to a hit on the group instance, by the consecutive index of the primitive.
-    fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
+    pub(crate) fn with_instance(&self, hit: Hit, instance: u32) -> Hit {
         let first = self.instances[hit.instance as usize].first_primitive;
         Hit { instance, primitive: first + hit.primitive, ..hit }
     }
@@ -180,27 +180,6 @@ pub(crate) struct Instances<'w> {
 /// Ray in the space below a transform.
 fn to_local(ray: &Ray, parent_from_local: Option<&Transform>) -> Ray {
     parent_from_local.map_or(*ray, |transform| transform.inverse_ray(ray))
-}
-
-/// Calls `trace` with the images of rays.
-fn trace_mapped(rays: &RayStream, map: impl Fn(&Ray) -> Ray, trace: &mut dyn FnMut(&RayStream)) {
-    with_stream_buffers(&mut |buffers| {
-        buffers.rays.set_mapped(rays, &map);
-        trace(&buffers.rays);
-    });
-}
-
-/// Calls `trace` with the rays in the space below a transform.
-fn trace_local(rays: &RayStream, parent_from_local: Option<&Transform>, trace: &mut dyn FnMut(&RayStream)) {
-    match parent_from_local {
-        None => trace(rays),
-        Some(transform) => trace_mapped(rays, |ray| transform.inverse_ray(ray), trace),
-    }
-}
-
-/// Calls `trace` with the rays in the space of animated geometry, each at its own time.
-fn trace_animated(rays: &RayStream, animated: &Animated, trace: &mut dyn FnMut(&RayStream)) {
-    trace_mapped(rays, |ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray), trace);
 }
 
 impl Instances<'_> {
@@ -357,7 +336,7 @@ impl Instances<'_> {
 
     /// Closest hit on an instance.
     #[inline]
-    fn closest_on<S: Probe>(
+    pub(crate) fn closest_on<S: Probe>(
         &self,
         (index, geometry): (u32, &InstanceGeometry),
         ray: &Ray,
@@ -402,7 +381,13 @@ impl Instances<'_> {
     }
 
     #[inline]
-    fn occluded_by<S: Probe>(&self, geometry: &InstanceGeometry, ray: &Ray, span: Interval, probe: &mut S) -> bool {
+    pub(crate) fn occluded_by<S: Probe>(
+        &self,
+        geometry: &InstanceGeometry,
+        ray: &Ray,
+        span: Interval,
+        probe: &mut S,
+    ) -> bool {
         match geometry {
             InstanceGeometry::Shape(shape) => shape.intersect(ray, span).is_some(),
             InstanceGeometry::TransformedShape(placed) => placed.intersect(ray, span).is_some(),
@@ -417,80 +402,6 @@ impl Instances<'_> {
                 group.accelerator.occluded(&inner, &to_local(ray, transform.as_deref()), span, probe)
             }
             InstanceGeometry::Animated(animated) => self.occluded_by_animated(animated, ray, span, probe),
-        }
-    }
-
-    /// Version of [`closest_on`](Self::closest_on) for a stream.
-    fn closest_stream_on<S: Probe>(
-        &self,
-        (index, geometry): (u32, &InstanceGeometry),
-        rays: &RayStream,
-        hits: &mut HitStream,
-        probe: &mut S,
-    ) {
-        match geometry {
-            InstanceGeometry::Mesh(level, transform) => {
-                let mesh = &self.levels.meshes[*level as usize];
-                let trace = &mut |rays: &RayStream| mesh.closest_stream(&self.levels.textures, rays, hits, probe);
-                trace_local(rays, transform.as_deref(), trace);
-                hits.instance.as_mut_slice()[..rays.len()].fill(index);
-            }
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                let trace = &mut |rays: &RayStream| group.accelerator.closest_stream(&inner, rays, hits, probe);
-                trace_local(rays, transform.as_deref(), trace);
-                for at in 0..rays.len() {
-                    if let Some(hit) = hits.get(at) {
-                        hits.set(at, Some(&group.with_instance(hit, index)));
-                    }
-                }
-            }
-            InstanceGeometry::Animated(animated) => {
-                let geometry = &animated.geometry;
-                trace_animated(rays, animated, &mut |rays| {
-                    self.closest_stream_on((index, geometry), rays, hits, probe)
-                });
-            }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
-                for at in 0..rays.len() {
-                    let (ray, span) = rays.get(at);
-                    hits.set(at, self.closest_on((index, geometry), &ray, span, probe).as_ref());
-                }
-            }
-        }
-    }
-
-    /// Version of [`occluded_by`](Self::occluded_by) for a stream.
-    fn occluded_stream_by<S: Probe>(
-        &self,
-        geometry: &InstanceGeometry,
-        rays: &RayStream,
-        occluded: &mut [bool],
-        probe: &mut S,
-    ) {
-        match geometry {
-            InstanceGeometry::Mesh(level, transform) => {
-                let mesh = &self.levels.meshes[*level as usize];
-                let trace = &mut |rays: &RayStream| mesh.occluded_stream(&self.levels.textures, rays, occluded, probe);
-                trace_local(rays, transform.as_deref(), trace);
-            }
-            InstanceGeometry::Group(level, transform) => {
-                let group = &self.levels.groups[*level as usize];
-                let inner = group.set(self.levels);
-                let trace = &mut |rays: &RayStream| group.accelerator.occluded_stream(&inner, rays, occluded, probe);
-                trace_local(rays, transform.as_deref(), trace);
-            }
-            InstanceGeometry::Animated(animated) => {
-                let geometry = &animated.geometry;
-                trace_animated(rays, animated, &mut |rays| self.occluded_stream_by(geometry, rays, occluded, probe));
-            }
-            InstanceGeometry::Shape(_) | InstanceGeometry::TransformedShape(_) | InstanceGeometry::Triangle(_) => {
-                for (at, occluded) in occluded.iter_mut().enumerate().take(rays.len()) {
-                    let (ray, span) = rays.get(at);
-                    *occluded = self.occluded_by(geometry, &ray, span, probe);
-                }
-            }
         }
     }
 

@@ -68,6 +68,7 @@ mod frame;
 mod frustum_cull;
 mod inlined_triangle;
 mod instance;
+mod instance_streams;
 mod integrator;
 mod layer_pass;
 mod light_pass;
