@@ -92,7 +92,7 @@ pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
     BatchKernel, ClosestPoint, Counters, Hit, HitStream, MAX_COORDINATE, NoProbe, PrimitiveGeometry, Primitives, Probe,
     RayCounts, RayKind, RayStream, STREAM_CAPACITY, ShapeError, ShapeHit, Sphere, SphereKernel, Spheres, StreamBuffers,
-    WatertightRay, intersect_primitive, occludes_primitive, padded_bounds, with_stream_buffers,
+    WatertightRay, intersect_primitive, occludes_primitive, padded_bounds, with_local_rays, with_stream_buffers,
 };
 pub use rt_math::{Aabb, DMat3, DQuat, DVec3, Interval, Ray, SlabRay, Transform, TransformError, Vec3};
 pub use scene::{

@@ -114,7 +114,7 @@ pub use smooth_triangle::{SmoothPoint, smooth_point};
 pub use sphere::{Sphere, sphere_point};
 pub use sphere_kernel::SphereKernel;
 pub use spheres::Spheres;
-pub use stream_buffers::{StreamBuffers, with_stream_buffers};
+pub use stream_buffers::{StreamBuffers, with_local_rays, with_stream_buffers};
 pub use torus::Torus;
 pub use transformed_shape::TransformedShape;
 pub use triangle::{Triangle, interpolate, is_on_triangle, triangle_point};

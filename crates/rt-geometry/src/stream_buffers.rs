@@ -2,6 +2,8 @@
 
 use std::cell::RefCell;
 
+use rt_math::Transform;
+
 use crate::{HitStream, RayStream, StreamArray};
 
 /// Streams of rays and of their results. Their numbers are left from earlier use.
@@ -27,4 +29,13 @@ pub fn with_stream_buffers(trace: &mut dyn FnMut(&mut StreamBuffers)) {
     trace(&mut buffers);
     // There is nothing to keep while the thread ends.
     let _ = UNUSED.try_with(|unused| unused.borrow_mut().push(buffers));
+}
+
+/// Calls `trace` with the rays in the space below a transform; without one, with the rays as they are.
+pub fn with_local_rays(rays: &RayStream, parent_from_local: Option<&Transform>, trace: &mut dyn FnMut(&RayStream)) {
+    let Some(transform) = parent_from_local else { return trace(rays) };
+    with_stream_buffers(&mut |buffers| {
+        buffers.rays.set_mapped(rays, |ray| transform.inverse_ray(ray));
+        trace(&buffers.rays);
+    });
 }

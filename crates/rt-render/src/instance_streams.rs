@@ -1,30 +1,16 @@
 //! Streams of rays through instances: in the space of meshes and groups, they are traced together.
 
 use rt_accel::Accelerator;
-use rt_geometry::{HitStream, Probe, RayStream, with_stream_buffers};
-use rt_math::{Ray, Transform};
+use rt_geometry::{HitStream, Probe, RayStream, with_local_rays, with_stream_buffers};
 
 use crate::instance::{Animated, InstanceGeometry, Instances};
 
-/// Calls `trace` with the images of rays.
-fn trace_mapped(rays: &RayStream, map: impl Fn(&Ray) -> Ray, trace: &mut dyn FnMut(&RayStream)) {
-    with_stream_buffers(&mut |buffers| {
-        buffers.rays.set_mapped(rays, &map);
-        trace(&buffers.rays);
-    });
-}
-
-/// Calls `trace` with the rays in the space below a transform.
-fn trace_local(rays: &RayStream, parent_from_local: Option<&Transform>, trace: &mut dyn FnMut(&RayStream)) {
-    match parent_from_local {
-        None => trace(rays),
-        Some(transform) => trace_mapped(rays, |ray| transform.inverse_ray(ray), trace),
-    }
-}
-
 /// Calls `trace` with the rays in the space of animated geometry, each at its own time.
 fn trace_animated(rays: &RayStream, animated: &Animated, trace: &mut dyn FnMut(&RayStream)) {
-    trace_mapped(rays, |ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray), trace);
+    with_stream_buffers(&mut |buffers| {
+        buffers.rays.set_mapped(rays, |ray| animated.aggregate_from_local.at(ray.time).inverse_ray(ray));
+        trace(&buffers.rays);
+    });
 }
 
 impl Instances<'_> {
@@ -40,14 +26,14 @@ impl Instances<'_> {
             InstanceGeometry::Mesh(level, transform) => {
                 let mesh = &self.levels.meshes[*level as usize];
                 let trace = &mut |rays: &RayStream| mesh.closest_stream(&self.levels.textures, rays, hits, probe);
-                trace_local(rays, transform.as_deref(), trace);
+                with_local_rays(rays, transform.as_deref(), trace);
                 hits.instance.as_mut_slice()[..rays.len()].fill(index);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let trace = &mut |rays: &RayStream| group.accelerator.closest_stream(&inner, rays, hits, probe);
-                trace_local(rays, transform.as_deref(), trace);
+                with_local_rays(rays, transform.as_deref(), trace);
                 for at in 0..rays.len() {
                     if let Some(hit) = hits.get(at) {
                         hits.set(at, Some(&group.with_instance(hit, index)));
@@ -81,13 +67,13 @@ impl Instances<'_> {
             InstanceGeometry::Mesh(level, transform) => {
                 let mesh = &self.levels.meshes[*level as usize];
                 let trace = &mut |rays: &RayStream| mesh.occluded_stream(&self.levels.textures, rays, occluded, probe);
-                trace_local(rays, transform.as_deref(), trace);
+                with_local_rays(rays, transform.as_deref(), trace);
             }
             InstanceGeometry::Group(level, transform) => {
                 let group = &self.levels.groups[*level as usize];
                 let inner = group.set(self.levels);
                 let trace = &mut |rays: &RayStream| group.accelerator.occluded_stream(&inner, rays, occluded, probe);
-                trace_local(rays, transform.as_deref(), trace);
+                with_local_rays(rays, transform.as_deref(), trace);
             }
             InstanceGeometry::Animated(animated) => {
                 let geometry = &animated.geometry;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rt_geometry::{BatchKernel, Hit, HitStream, NoProbe, Primitives, Probe, RayStream, with_stream_buffers};
+use rt_geometry::{BatchKernel, Hit, HitStream, NoProbe, Primitives, Probe, RayStream, with_local_rays};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::geometry::Blas;
@@ -25,17 +25,6 @@ impl Instance {
     #[inline]
     pub(super) fn local_ray(&self, ray: &Ray) -> Ray {
         self.world_from_local.as_ref().map_or(*ray, |transform| transform.inverse_ray(ray))
-    }
-
-    /// Calls `trace` with the rays in the space of the geometry.
-    fn trace_local(&self, rays: &RayStream, trace: &mut dyn FnMut(&RayStream)) {
-        match &self.world_from_local {
-            None => trace(rays),
-            Some(transform) => with_stream_buffers(&mut |buffers| {
-                buffers.rays.set_mapped(rays, |ray| transform.inverse_ray(ray));
-                trace(&buffers.rays);
-            }),
-        }
     }
 }
 
@@ -92,13 +81,17 @@ impl Primitives for Instances<'_, '_> {
         let Some((instance, geometry)) = self.get(index) else {
             return (0..rays.len()).for_each(|at| hits.set(at, None));
         };
-        instance.trace_local(rays, &mut |rays| geometry.closest_stream(rays, hits, probe));
+        with_local_rays(rays, instance.world_from_local.as_deref(), &mut |rays| {
+            geometry.closest_stream(rays, hits, probe)
+        });
         hits.instance.as_mut_slice()[..rays.len()].fill(instance.id);
     }
 
     fn occludes_stream<S: Probe>(&self, index: u32, rays: &RayStream, occluded: &mut [bool], probe: &mut S) {
         let n = rays.len().min(occluded.len());
         let Some((instance, geometry)) = self.get(index) else { return occluded[..n].fill(false) };
-        instance.trace_local(rays, &mut |rays| geometry.occluded_stream(rays, occluded, probe));
+        with_local_rays(rays, instance.world_from_local.as_deref(), &mut |rays| {
+            geometry.occluded_stream(rays, occluded, probe)
+        });
     }
 }
