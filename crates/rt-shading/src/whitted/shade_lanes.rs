@@ -59,25 +59,26 @@ impl<E: Element> SpawnedRays<E> {
                     continue;
                 };
                 let StreamPrimitive { shape, object, material, .. } = primitive;
+                let mask = lanes.equal(indices, indices[first]) & lanes.equal(instances, instances[first]) & rest;
                 let points = match shape {
-                    StreamShape::Triangle(_) | StreamShape::MeshTriangle(..) => {
-                        let material = (model, material);
-                        rest &= !self.shade_triangles(
+                    StreamShape::Sphere(sphere) if mask == rest => {
+                        HitPoints::on_sphere(lanes, sphere, (&paths.rays, hits), at)
+                    }
+                    StreamShape::Plane(plane) | StreamShape::Polygon(plane) => {
+                        HitPoints::on_plane(lanes, plane, (&paths.rays, hits), at)
+                    }
+                    StreamShape::Sphere(_) | StreamShape::Triangle(_) | StreamShape::MeshTriangle(..) => {
+                        rest &= !self.shade_gathered(
                             (lanes, inputs),
                             world,
                             (paths, hits),
                             (at, rest),
-                            material,
+                            (model, material),
                             radiances,
                         );
                         continue;
                     }
-                    StreamShape::Sphere(sphere) => HitPoints::on_sphere(lanes, sphere, (&paths.rays, hits), at),
-                    StreamShape::Plane(plane) | StreamShape::Polygon(plane) => {
-                        HitPoints::on_plane(lanes, plane, (&paths.rays, hits), at)
-                    }
                 };
-                let mask = lanes.equal(indices, indices[first]) & lanes.equal(instances, instances[first]) & rest;
                 rest &= !mask;
                 let uv = match shape {
                     StreamShape::Plane(plane) if model.is_checkered() => Some(points.uv_on_plane(lanes, plane)),
@@ -91,9 +92,9 @@ impl<E: Element> SpawnedRays<E> {
         }
     }
 
-    /// Shades the hits of some lanes, from index `at` on, on triangles of a material. Returns their lanes.
+    /// Shades the hits of some lanes, from index `at` on, on spheres and triangles of a material. Returns their lanes.
     #[inline(never)]
-    fn shade_triangles<L: LaneSet<Element = E>>(
+    fn shade_gathered<L: LaneSet<Element = E>>(
         &mut self,
         (lanes, inputs): (L, &RayTreeInputs<'_>),
         world: &dyn StreamQueries,
@@ -107,7 +108,7 @@ impl<E: Element> SpawnedRays<E> {
             || {
                 let mut objects = [0; LANES];
                 let has_uv = model.is_checkered();
-                let mask = self.gather_triangles(world, (hits, at, mask), (material, has_uv), &mut objects);
+                let mask = self.gather(world, (hits, at, mask), (material, has_uv), &mut objects);
                 let points = &HitPoints::on_shapes(lanes, &self.gathered, &paths.rays, hits, at);
                 let surface = &ShadedSurface::new(lanes, points, mask);
                 let mut normals = ShadingNormals::flat(points, surface);
@@ -123,9 +124,9 @@ impl<E: Element> SpawnedRays<E> {
         )
     }
 
-    /// Gathers the triangles of a material that the rays of a mask have hit, from index `at` on, and returns their lanes.
+    /// Gathers the spheres and triangles of a material that the rays of a mask have hit, from index `at` on, and returns their lanes.
     #[inline(never)]
-    fn gather_triangles(
+    fn gather(
         &mut self,
         world: &dyn StreamQueries,
         (hits, at, mask): (&HitStream, usize, u8),
@@ -143,8 +144,8 @@ impl<E: Element> SpawnedRays<E> {
             rest &= !same;
             let Some(primitive) = world.primitive(hits, at + first) else { continue };
             let StreamPrimitive { shape, object, .. } = primitive;
-            let is_triangle = matches!(shape, StreamShape::Triangle(_) | StreamShape::MeshTriangle(..));
-            if is_triangle && primitive.material == material {
+            let is_flat = matches!(shape, StreamShape::Plane(_) | StreamShape::Polygon(_));
+            if !is_flat && primitive.material == material {
                 let vertex_uvs = if has_uv { world.vertex_uvs(hits, at + first) } else { [[0.0; 2]; 3] };
                 for lane in each_lane(same) {
                     self.gathered.set(lane, &shape);

@@ -82,7 +82,7 @@ pub(super) struct SpawnedRays<E: Element> {
     pub(super) in_lanes: RaySet,
     /// Absorption of the media before the hits that are shaded together, per world unit, where they absorb.
     pub(super) absorption: [Rgb; 8],
-    /// Triangles of the hits that are shaded together.
+    /// Shapes of the hits that are shaded together.
     pub(super) gathered: GatheredShapes,
     pub(super) counts: ShadingCounts,
 }
