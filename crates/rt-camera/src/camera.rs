@@ -6,6 +6,7 @@ use rt_math::{AnimatedTransform, DVec2, DVec3, Ray, Transform, transcendental::t
 
 use crate::{
     CameraError, Lens,
+    lens::Aperture,
     simd::vectorize,
     view_volume::{Pencil, Rim, ViewVolume},
 };
@@ -123,7 +124,7 @@ pub struct Camera {
     /// Principal point: intersection of the view axis with the image, in raster coordinates.
     principal_point: DVec2,
     /// Lens with an aperture above 0.
-    lens: Option<Lens>,
+    lens: Option<Aperture>,
 }
 
 impl Camera {
@@ -168,7 +169,7 @@ impl Camera {
             step_down: axes.y_axis * -pixel_side,
             pixel_side,
             principal_point: (towards_lower_left + 0.5) * size,
-            lens: settings.lens.filter(|lens| lens.radius > 0.0),
+            lens: settings.lens.filter(|lens| lens.radius > 0.0).map(Aperture::new),
         };
         let corners = [DVec2::ZERO, DVec2::new(size.x, 0.0), DVec2::new(0.0, size.y), size];
         let times = if moving.is_some() { [opens, closes] } else { [opens; 2] };
@@ -226,12 +227,12 @@ impl Camera {
         let here = self.at(time);
         let centre = here.ray(raster, time);
         let aside = here.aside(lens, on_lens);
-        Ray { origin: centre.origin + aside, direction: centre.direction - aside / lens.focus, time }
+        Ray { origin: centre.origin + aside, direction: centre.direction - aside / lens.lens().focus, time }
     }
 
     /// Offset of a point of the lens from its centre, in world space.
-    #[inline]
-    fn aside(&self, lens: &Lens, on_lens: [f64; 2]) -> DVec3 {
+    #[inline(always)]
+    fn aside(&self, lens: &Aperture, on_lens: [f64; 2]) -> DVec3 {
         let DVec2 { x, y } = lens.point(on_lens);
         self.world_from_camera.vector(DVec3::new(x, y, 0.0))
     }
@@ -253,15 +254,18 @@ impl Camera {
         Ray { origin, direction, time }
     }
 
-    /// [`ray`](Self::ray) for many raster points, given by their offsets from `corner`, when the shutter opens. Bit-identical to rays
-    /// one by one. Only as many are computed as all slices have numbers.
-    pub fn rays(&self, corner: DVec2, offsets: &[[f64; 2]], rays: RayArrays<'_>) {
+    /// [`generate_ray`](Self::generate_ray) for many raster points, given by their offsets from `corner`, and their points of the lens,
+    /// when the shutter opens. Bit-identical to rays one by one. Only as many are computed as all slices have numbers; a camera
+    /// without a lens needs no points of it.
+    pub fn rays(&self, corner: DVec2, offsets: &[[f64; 2]], on_lens: &[[f64; 2]], rays: RayArrays<'_>) {
         let Self { is_perspective, forward, step_right, step_down, principal_point, .. } = *self;
         let pinhole = self.world_from_camera.translation();
         let RayArrays { origin: [x, y, z], direction: [u, v, w] } = rays;
+        let offsets = if self.has_lens() { &offsets[..offsets.len().min(on_lens.len())] } else { offsets };
         vectorize(
             #[inline(always)]
             || {
+                let ((x, y, z), (u, v, w)) = ((&mut *x, &mut *y, &mut *z), (&mut *u, &mut *v, &mut *w));
                 let (origins, directions) = (x.iter_mut().zip(y).zip(z), u.iter_mut().zip(v).zip(w));
                 for ((&[i, j], ((x, y), z)), ((u, v), w)) in offsets.iter().zip(origins).zip(directions) {
                     let (i, j) = (corner.x + i - principal_point.x, corner.y + j - principal_point.y);
@@ -277,6 +281,21 @@ impl Camera {
                         [*x, *y, *z] = [pinhole.x + across[0], pinhole.y + across[1], pinhole.z + across[2]];
                         [*u, *v, *w] = forward.to_array();
                     }
+                }
+            },
+        );
+        let Some(lens) = &self.lens else { return };
+        vectorize(
+            #[inline(always)]
+            || {
+                let (origins, directions) = (x.iter_mut().zip(y).zip(z), u.iter_mut().zip(v).zip(w));
+                for ((&on_lens, ((x, y), z)), ((u, v), w)) in
+                    on_lens.iter().take(offsets.len()).zip(origins).zip(directions)
+                {
+                    let aside = self.aside(lens, on_lens);
+                    let turn = aside / lens.lens().focus;
+                    (*x, *y, *z) = (*x + aside.x, *y + aside.y, *z + aside.z);
+                    (*u, *v, *w) = (*u - turn.x, *v - turn.y, *w - turn.z);
                 }
             },
         );
@@ -317,7 +336,10 @@ impl Camera {
             min: min - self.principal_point,
             max: max - self.principal_point,
             is_perspective: self.is_perspective,
-            rim: self.lens.map(|lens| Rim { steps: lens.radius / self.pixel_side, focus: lens.focus }),
+            rim: self.lens.map(|lens| {
+                let Lens { radius, focus, .. } = *lens.lens();
+                Rim { steps: radius / self.pixel_side, focus }
+            }),
         })
     }
 
@@ -369,22 +391,29 @@ mod tests {
     fn rays_of_many_raster_points_are_those_one_by_one() {
         let place =
             Transform::look_at(DVec3::new(2.0, -1.0, 5.0), DVec3::new(0.1, 0.2, 0.3), DVec3::Y).expect("a view");
-        for settings in [perspective(0.7, FovAxis::Horizontal), orthographic(3.0)] {
+        let lens = |blades| Some(Lens { radius: 0.2, focus: 3.0, blades, rotation: 0.3 });
+        let lenses = [None, lens(None), lens(Some(3)), lens(Some(16)), lens(Some(17)), lens(Some(u32::MAX))];
+        let projections = [perspective(0.7, FovAxis::Horizontal), orthographic(3.0)];
+        for settings in
+            projections.into_iter().flat_map(|settings| lenses.map(|lens| CameraSettings { lens, ..settings }))
+        {
             let settings = CameraSettings { world_from_camera: place, lens_shift: DVec2::new(0.3, -0.1), ..settings };
             let camera = Camera::new(&settings, 64, 48).expect("a camera");
             let offsets: [_; 37] = core::array::from_fn(|at| [at as f64 * 0.13 - 0.5, 0.7 - (at * at) as f64 * 0.01]);
+            let on_lens: [_; 37] = core::array::from_fn(|at| [at as f64 / 36.0, (at * at % 37) as f64 / 36.0]);
             let corner = DVec2::new(17.0, 31.0);
             let (mut origin, mut direction) = ([[0.0; 37]; 3], [[0.0; 37]; 3]);
             camera.rays(
                 corner,
                 &offsets,
+                if settings.lens.is_some() { &on_lens } else { &[] },
                 RayArrays {
                     origin: origin.each_mut().map(<[_; 37]>::as_mut_slice),
                     direction: direction.each_mut().map(<[_; 37]>::as_mut_slice),
                 },
             );
             for (at, offset) in offsets.into_iter().enumerate() {
-                let ray = camera.ray(corner + DVec2::from_array(offset), 0.0);
+                let ray = camera.generate_ray(corner + DVec2::from_array(offset), on_lens[at], 0.0);
                 assert_eq!(ray.origin.to_array(), origin.map(|numbers| numbers[at]), "{settings:?}");
                 assert_eq!(ray.direction.to_array(), direction.map(|numbers| numbers[at]), "{settings:?}");
             }

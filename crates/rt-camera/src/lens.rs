@@ -39,21 +39,29 @@ impl Lens {
     ///
     /// The disk is the image of the square under the concentric map (Shirley and Chiu 1997), which keeps neighbours together.
     /// In a polygon, the first coordinate chooses one of the triangles around its centre, and the angle in it.
-    pub fn point(&self, [u, v]: [f64; 2]) -> DVec2 {
+    pub fn point(&self, on_square: [f64; 2]) -> DVec2 {
+        self.point_between(on_square, |corner| self.corner(corner))
+    }
+
+    /// Version of [`point`](Self::point) for given corners on the unit circle.
+    #[inline(always)]
+    fn point_between(&self, [u, v]: [f64; 2], corner: impl Fn(u32) -> DVec2) -> DVec2 {
         let on_unit = match self.blades {
             None => on_disk(DVec2::new(u, v)),
             Some(blades) => {
-                let blades = f64::from(blades);
-                let place = u * blades;
-                let blade = place.floor().min(blades - 1.0);
-                let [first, second] = [blade, blade + 1.0].map(|corner| {
-                    let (sin, cos) = sincos(TAU * (corner / blades) + self.rotation);
-                    DVec2::new(-sin, cos)
-                });
-                first.lerp(second, place - blade) * v.sqrt()
+                let place = u * f64::from(blades);
+                let blade = (place as u32).min(blades.saturating_sub(1));
+                corner(blade).lerp(corner(blade + 1), place - f64::from(blade)) * v.sqrt()
             }
         };
         on_unit * self.radius
+    }
+
+    /// Corner of the aperture on the unit circle; the last one is the first again.
+    fn corner(&self, corner: u32) -> DVec2 {
+        let blades = self.blades.map_or(1.0, f64::from);
+        let (sin, cos) = sincos(TAU * (f64::from(corner) / blades) + self.rotation);
+        DVec2::new(-sin, cos)
     }
 
     pub(crate) fn check(&self) -> Result<(), CameraError> {
@@ -68,6 +76,46 @@ impl Lens {
             _ if !self.rotation.is_finite() => Err(CameraError::LensRotation(self.rotation)),
             _ => Ok(()),
         }
+    }
+}
+
+/// Blades of which an [`Aperture`] stores the corners.
+const MAX_STORED_BLADES: usize = 16;
+
+/// A lens with the corners of its aperture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Aperture {
+    lens: Lens,
+    /// Corners on the unit circle, if there are few.
+    corners: [DVec2; MAX_STORED_BLADES + 1],
+}
+
+impl Aperture {
+    pub(crate) fn new(lens: Lens) -> Self {
+        let mut corners = [DVec2::ZERO; MAX_STORED_BLADES + 1];
+        for (corner, number) in corners.iter_mut().zip(0..) {
+            *corner = lens.corner(number);
+        }
+        Self { lens, corners }
+    }
+
+    pub(crate) const fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    /// [`Lens::point`], bit for bit.
+    #[inline(always)]
+    pub(crate) fn point(&self, on_square: [f64; 2]) -> DVec2 {
+        self.lens.point_between(
+            on_square,
+            #[inline(always)]
+            |corner| match self.lens.blades {
+                Some(blades) if blades as usize <= MAX_STORED_BLADES => {
+                    self.corners[corner as usize % self.corners.len()]
+                }
+                _ => self.lens.corner(corner),
+            },
+        )
     }
 }
 

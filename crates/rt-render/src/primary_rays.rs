@@ -141,28 +141,34 @@ impl RenderPlan<'_> {
             *position = offset.to_array();
             weights.push(weight);
         }
-        if has_lens || has_motion {
+        if self.frame.camera.moves() {
             for ((&offset, &on_lens), &time) in positions.iter().zip(&*on_lens).zip(&*times) {
-                let time = if has_motion { self.frame.camera.shutter_time(time) } else { 0.0 };
+                let time = self.frame.camera.shutter_time(time);
                 let ray = self.frame.camera.generate_ray(corner + DVec2::from_array(offset), on_lens, time);
                 rays.push(&ray, Interval::FORWARD);
             }
-        } else {
-            let start = rays.len();
-            self.frame.camera.rays(
-                corner,
-                positions,
-                RayArrays {
-                    origin: rays.origin.each_mut().map(|numbers| &mut numbers.as_mut_slice()[start..]),
-                    direction: rays.direction.each_mut().map(|numbers| &mut numbers.as_mut_slice()[start..]),
-                },
-            );
-            let Interval { min, max } = Interval::FORWARD;
-            rays.min.as_mut_slice()[start..start + count].fill(min);
-            rays.max.as_mut_slice()[start..start + count].fill(max);
-            rays.time.as_mut_slice()[start..start + count].fill(0.0);
-            rays.grow(count);
+            return;
         }
+        let start = rays.len();
+        self.frame.camera.rays(
+            corner,
+            positions,
+            on_lens,
+            RayArrays {
+                origin: rays.origin.each_mut().map(|numbers| &mut numbers.as_mut_slice()[start..]),
+                direction: rays.direction.each_mut().map(|numbers| &mut numbers.as_mut_slice()[start..]),
+            },
+        );
+        let Interval { min, max } = Interval::FORWARD;
+        rays.min.as_mut_slice()[start..start + count].fill(min);
+        rays.max.as_mut_slice()[start..start + count].fill(max);
+        let of_rays = &mut rays.time.as_mut_slice()[start..start + count];
+        if has_motion {
+            of_rays.iter_mut().zip(&*times).for_each(|(of_ray, part)| *of_ray = self.frame.camera.shutter_time(*part));
+        } else {
+            of_rays.fill(0.0);
+        }
+        rays.grow(count);
     }
 }
 

@@ -22,7 +22,7 @@ impl Camera {
         let depth = -self.world_from_camera.inverse_point(world).z;
         let raster = match &self.lens {
             None => self.project(world),
-            Some(lens) => self.project(world - self.aside(lens, on_lens) * (1.0 - depth / lens.focus)),
+            Some(lens) => self.project(world - self.aside(lens, on_lens) * (1.0 - depth / lens.lens().focus)),
         }?;
         let ray = self.generate_ray(raster, on_lens, time);
         let pixel = ray.direction.dot(self.step_right.cross(self.step_down)).abs();
