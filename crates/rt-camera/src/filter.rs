@@ -10,6 +10,9 @@ use crate::mitchell;
 /// A Gaussian is cut at this many standard deviations.
 const GAUSSIAN_CUT: f64 = 3.0;
 
+/// Share of a two-dimensional normal distribution within [`GAUSSIAN_CUT`] standard deviations: 1 − exp(−9/2).
+const GAUSSIAN_MASS: f64 = 0.9888910034617577;
+
 /// Reconstruction filter of a pixel. Widths are in pixels.
 ///
 /// Instead of splatting each sample over many pixels, samples are placed where the filter is large (Ernst, Stamminger,
@@ -57,7 +60,7 @@ impl Filter {
                 if squared > GAUSSIAN_CUT * GAUSSIAN_CUT {
                     return 0.0;
                 }
-                exp(-0.5 * squared) / (core::f64::consts::TAU * sigma * sigma * gaussian_mass())
+                exp(-0.5 * squared) / (core::f64::consts::TAU * sigma * sigma * GAUSSIAN_MASS)
             }
             Self::Mitchell => mitchell::value(offset.x) * mitchell::value(offset.y),
         }
@@ -73,7 +76,7 @@ impl Filter {
             Self::Tent => (DVec2::from_array(u.map(sample_triangle)), 1.0),
             Self::Gaussian { sigma } => {
                 // The radius of a two-dimensional normal distribution has a closed inverse (Box and Muller 1958).
-                let radius = sigma * (-2.0 * log(1.0 - u[0] * gaussian_mass())).sqrt();
+                let radius = sigma * (-2.0 * log(1.0 - u[0] * GAUSSIAN_MASS)).sqrt();
                 let (sin, cos) = sincos(core::f64::consts::TAU * u[1]);
                 (DVec2::new(cos, sin) * radius, 1.0)
             }
@@ -83,11 +86,6 @@ impl Filter {
             }
         }
     }
-}
-
-/// Share of a two-dimensional normal distribution within [`GAUSSIAN_CUT`] standard deviations.
-fn gaussian_mass() -> f64 {
-    1.0 - exp(-0.5 * GAUSSIAN_CUT * GAUSSIAN_CUT)
 }
 
 /// Inverts the cumulative distribution of `1 − |x|` on [−1, 1].
@@ -199,12 +197,17 @@ mod tests {
     }
 
     #[test]
+    fn the_mass_of_the_gaussian_is_rounded_correctly() {
+        assert_eq!(GAUSSIAN_MASS, 1.0 - exp(-0.5 * GAUSSIAN_CUT * GAUSSIAN_CUT));
+    }
+
+    #[test]
     fn known_offsets() {
         assert_eq!(Filter::Box.sample([0.25, 0.5]), (DVec2::new(-0.25, 0.0), 1.0));
         assert_eq!(Filter::Tent.sample([0.125, 0.875]), (DVec2::new(-0.5, 0.5), 1.0));
         let (median, _) = Filter::Gaussian { sigma: 1.0 }.sample([0.5, 0.0]);
         // The radius that holds half of the truncated mass.
-        assert!((1.0 - exp(-0.5 * median.x * median.x) - 0.5 * gaussian_mass()).abs() < 1e-15);
+        assert!((1.0 - exp(-0.5 * median.x * median.x) - 0.5 * GAUSSIAN_MASS).abs() < 1e-15);
         assert!(Filter::Mitchell.sample([0.5, 0.5]).0.length() < 1e-15);
     }
 }

@@ -109,6 +109,9 @@ impl Wrap {
     /// Index of the pixel for index `i`, possibly outside, in a row of `length`.
     fn index(self, i: i64, length: u32) -> u32 {
         let n = i64::from(length);
+        if (0..n).contains(&i) {
+            return i as u32;
+        }
         let wrapped = match self {
             Self::Repeat => i.rem_euclid(n),
             Self::Clamp => i.clamp(0, n - 1),
@@ -162,7 +165,7 @@ impl Bitmap {
 
     /// Black if there is no such pixel.
     fn pixel(&self, index: usize) -> Rgb {
-        self.pixels.get(index).map_or(Rgb::BLACK, |p| Rgb::from(p.map(f64::from)))
+        self.pixels.get(index).map_or(Rgb::BLACK, |&[r, g, b]| Rgb::new(f64::from(r), f64::from(g), f64::from(b)))
     }
 }
 
@@ -199,7 +202,9 @@ impl Texture {
                 let Some(Taps { pixels, right, down }) = Taps::at(bitmap, *wrap, *smooth, point.uv) else {
                     return Rgb::BLACK;
                 };
-                let [a, b, c, d] = pixels.map(|index| bitmap.pixel(index));
+                // Not by `map`, whose closure is called for each pixel.
+                let [a, b, c, d] = pixels;
+                let [a, b, c, d] = [bitmap.pixel(a), bitmap.pixel(b), bitmap.pixel(c), bitmap.pixel(d)];
                 a.lerp(b, right).lerp(c.lerp(d, right), down)
             }
         }
@@ -246,18 +251,17 @@ impl Taps {
         if bitmap.width == 0 || bitmap.height == 0 || !(x.is_finite() && y.is_finite()) {
             return None;
         }
-        let pixel = |x: f64, y: f64| {
-            let (column, row) = (wrap[0].index(x as i64, bitmap.width), wrap[1].index(y as i64, bitmap.height));
-            row as usize * bitmap.width as usize + column as usize
-        };
+        let column = |x: f64| wrap[0].index(x as i64, bitmap.width) as usize;
+        let start_of_row = |y: f64| wrap[1].index(y as i64, bitmap.height) as usize * bitmap.width as usize;
         if !smooth {
-            return Some(Self { pixels: [pixel(x.floor(), y.floor()); 4], right: 0.0, down: 0.0 });
+            return Some(Self { pixels: [start_of_row(y.floor()) + column(x.floor()); 4], right: 0.0, down: 0.0 });
         }
         // Pixel centres lie at half-integers.
         let (x, y) = (x - 0.5, y - 0.5);
         let (left, top) = (x.floor(), y.floor());
-        let pixels = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[i, j]| pixel(left + i, top + j));
-        Some(Self { pixels, right: x - left, down: y - top })
+        let (a, b) = (column(left), column(left + 1.0));
+        let (upper, lower) = (start_of_row(top), start_of_row(top + 1.0));
+        Some(Self { pixels: [upper + a, upper + b, lower + a, lower + b], right: x - left, down: y - top })
     }
 }
 

@@ -266,6 +266,23 @@ fn lanes_have_the_bits_of_single_hits_at_all_levels() {
     }
 }
 
+/// Regression: rays that had hit different spheres were not shaded together.
+#[test]
+fn spheres_of_a_material_share_lanes() {
+    let Some(level) = LaneLevel::best() else { return };
+    let mut appearance = appearance(1.0);
+    appearance.materials.truncate(1);
+    let mut world = ShapeWorld::new(0, 1.0);
+    world.0.retain(|primitive| matches!(primitive.shape, TestShape::Sphere(_)));
+    let rays = camera_rays(1000, 1.0);
+    let view = View { features: ShadingFeatures::ALL, appearance: &appearance, rays: &rays };
+    let (seen, counts) = view.in_lanes(Some(level), &mut world);
+    let n_hits = seen.iter().filter(|seen| seen.hit).count() as u64;
+    let n_groups = seen.chunks(8).filter(|seen| seen.iter().any(|seen| seen.hit)).count() as u64;
+    assert!(n_hits > 300, "{n_hits}");
+    assert_eq!((counts.lanes_used, counts.lanes), (n_hits, 8 * n_groups));
+}
+
 /// Glass whose surfaces all spawn two rays, for trees with more rays than a wave has space for.
 fn glass(n_lights: usize) -> Appearance {
     let mut appearance = all_materials();
