@@ -6,7 +6,7 @@
 use core::ops::ControlFlow;
 
 use glam::DVec3;
-use rt_geometry::{BatchKernel, Hit, PrimitiveGeometry, Primitives, Probe};
+use rt_geometry::{Hit, PacketKernel, PrimitiveGeometry, Primitives, Probe};
 use rt_math::{Aabb, Interval, Ray, SlabRay};
 
 use crate::ray_query::ray_and_span;
@@ -27,7 +27,7 @@ trait ErasedPrimitives: Sync {
     fn bounds(&self, index: u32) -> Option<Aabb>;
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit>;
     fn occludes(&self, index: u32, ray: &Ray, span: Interval) -> bool;
-    fn batch_kernel(&self, index: u32) -> BatchKernel;
+    fn packet_kernel(&self, index: u32) -> PacketKernel;
     fn hit_ids(&self, index: u32) -> [u32; 2];
     fn casts_shadow(&self, index: u32) -> bool;
     fn geometry(&self, index: u32) -> PrimitiveGeometry;
@@ -56,9 +56,9 @@ macro_rules! forward_primitives {
             $value.occludes(index, ray, span)
         }
 
-        fn batch_kernel(&self, index: u32) -> BatchKernel {
+        fn packet_kernel(&self, index: u32) -> PacketKernel {
             let $primitives = self;
-            $value.batch_kernel(index)
+            $value.packet_kernel(index)
         }
 
         fn hit_ids(&self, index: u32) -> [u32; 2] {

@@ -90,9 +90,10 @@ pub use ray_query::RayQuery;
 pub use region::{Region, SphereRegion};
 pub use region_query::{PointHit, RegionQuery};
 pub use rt_geometry::{
-    BatchKernel, ClosestPoint, Counters, Hit, HitStream, MAX_COORDINATE, NoProbe, PrimitiveGeometry, Primitives, Probe,
-    RayCounts, RayKind, RayStream, STREAM_CAPACITY, ShapeError, ShapeHit, Sphere, SphereKernel, Spheres, StreamBuffers,
-    WatertightRay, intersect_primitive, occludes_primitive, padded_bounds, with_local_rays, with_stream_buffers,
+    ClosestPoint, Counters, Hit, HitStream, MAX_COORDINATE, NoProbe, PacketKernel, PrimitiveGeometry, Primitives,
+    Probe, RayCounts, RayKind, RayStream, STREAM_CAPACITY, ShapeError, ShapeHit, Sphere, SphereKernel, Spheres,
+    StreamBuffers, WatertightRay, intersect_primitive, occludes_primitive, padded_bounds, with_local_rays,
+    with_stream_buffers,
 };
 pub use rt_math::{Aabb, DMat3, DQuat, DVec3, Interval, Ray, SlabRay, Transform, TransformError, Vec3};
 pub use scene::{

@@ -13,9 +13,9 @@ use crate::wide::{SimdLevel, SmallSet, SphereList};
 /// Tests every primitive. O(n) per ray; 16 bytes per sphere if there are more than 16 primitives and all are
 /// spheres, otherwise no memory.
 ///
-/// More than 16 spheres are tested eight at a time in `f32`, and those that a ray may hit in `f64`. Batches test up to
+/// More than 16 spheres are tested eight at a time in `f32`, and those that a ray may hit in `f64`. Streams test up to
 /// 16 primitives with eight rays at a time, as a [`SmallSet`]. Results and [`Counters`](crate::Counters) are those of
-/// [`brute_force`], bit for bit; accelerators among the primitives may count less in batches.
+/// [`brute_force`], bit for bit; accelerators among the primitives may count less in streams.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(remote = "Self"))]
 pub struct Linear {

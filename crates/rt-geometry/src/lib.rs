@@ -105,7 +105,7 @@ pub use mesh_repair::{MeshError, MeshRepairs};
 pub use nearest::nearest_on_triangle;
 pub use plane::{Plane, plane_point, plane_uv};
 pub use polygon::{InsideRule, Polygon, PolygonError};
-pub use primitives::{BatchKernel, PrimitiveGeometry, Primitives};
+pub use primitives::{PacketKernel, PrimitiveGeometry, Primitives};
 pub use probe::{Counters, NoProbe, Probe, RayCounts, RayKind, RayStats};
 pub use ray_stream::{HitStream, RayStream, STREAM_CAPACITY, StreamArray};
 pub use rectangle::Rectangle;

@@ -30,7 +30,7 @@ pub enum PrimitiveGeometry {
 
 /// Exact test of a primitive for many rays at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BatchKernel {
+pub enum PacketKernel {
     /// [`WatertightRay::intersect`](crate::WatertightRay::intersect) of these vertices. The primitive's `bounds` are the smallest box
     /// around them.
     Triangle([DVec3; 3]),
@@ -97,24 +97,24 @@ pub trait Primitives: Sync {
 
     /// Exact test of primitive `index` for many rays at a time; the default follows from [`geometry`](Self::geometry).
     #[inline]
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
         match self.geometry(index) {
             PrimitiveGeometry::ExactTriangle(vertices) => {
-                BatchKernel::Triangle(vertices.map(|vertex| vertex.as_dvec3()))
+                PacketKernel::Triangle(vertices.map(|vertex| vertex.as_dvec3()))
             }
-            PrimitiveGeometry::ExactSphere(sphere) => BatchKernel::Sphere(sphere),
-            _ => BatchKernel::Single,
+            PrimitiveGeometry::ExactSphere(sphere) => PacketKernel::Sphere(sphere),
+            _ => PacketKernel::Single,
         }
     }
 
-    /// Instance and primitive of hits on primitive `index`, if its [`batch_kernel`](Self::batch_kernel) is a shape.
+    /// Instance and primitive of hits on primitive `index`, if its [`packet_kernel`](Self::packet_kernel) is a shape.
     #[inline]
     fn hit_ids(&self, index: u32) -> [u32; 2] {
         [0, index]
     }
 
     /// False if primitive `index` occludes no ray: [`occludes`](Self::occludes) is never true. Otherwise `occludes`
-    /// agrees with the [`batch_kernel`](Self::batch_kernel), if that is a shape.
+    /// agrees with the [`packet_kernel`](Self::packet_kernel), if that is a shape.
     #[inline]
     fn casts_shadow(&self, _index: u32) -> bool {
         true

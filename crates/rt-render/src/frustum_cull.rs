@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 use rt_accel::{Accelerator, AnyAccelerator, BuildError, Region, wide::SmallSet};
 use rt_camera::ViewVolume;
 use rt_geometry::{
-    BatchKernel, Hit, HitStream, PrimitiveGeometry, Primitives, Probe, RayStream, SphereKernel, padded_bounds,
+    Hit, HitStream, PacketKernel, PrimitiveGeometry, Primitives, Probe, RayStream, SphereKernel, padded_bounds,
 };
 use rt_math::{Aabb, DVec3, Interval, Ray};
 
@@ -202,8 +202,8 @@ impl<P: Primitives> Primitives for Subset<'_, P> {
         self.all.occludes_with_stats(self.indices[index as usize], ray, span, probe)
     }
 
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
-        self.all.batch_kernel(self.indices[index as usize])
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
+        self.all.packet_kernel(self.indices[index as usize])
     }
 
     fn hit_ids(&self, index: u32) -> [u32; 2] {

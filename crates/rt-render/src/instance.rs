@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rt_accel::{Accelerator, AnyAccelerator};
 use rt_geometry::{
-    BatchKernel, Hit, HitStream, InteractionFlags, PrimitiveGeometry, Primitives, Probe, RayStream, Shape, ShapeHit,
+    Hit, HitStream, InteractionFlags, PacketKernel, PrimitiveGeometry, Primitives, Probe, RayStream, Shape, ShapeHit,
     SurfaceInteraction, TransformedShape, TriangleMesh,
 };
 use rt_math::{Aabb, AnimatedTransformChain, DVec3, Interval, Ray, Transform};
@@ -442,17 +442,17 @@ impl Primitives for Instances<'_> {
         instance.casts_shadow && self.occluded_by(&instance.geometry, ray, span, probe)
     }
 
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
         match &self.instances[index as usize].geometry {
-            InstanceGeometry::Shape(Shape::Sphere(sphere)) => BatchKernel::Sphere(sphere.kernel()),
-            InstanceGeometry::Shape(Shape::Plane(plane)) => BatchKernel::Plane(*plane),
+            InstanceGeometry::Shape(Shape::Sphere(sphere)) => PacketKernel::Sphere(sphere.kernel()),
+            InstanceGeometry::Shape(Shape::Plane(plane)) => PacketKernel::Plane(*plane),
             InstanceGeometry::Shape(Shape::Polygon(polygon)) => {
                 let corners = polygon.convex_quadrilateral();
-                corners.map_or(BatchKernel::Single, |corners| BatchKernel::Quadrilateral(*polygon.plane(), corners))
+                corners.map_or(PacketKernel::Single, |corners| PacketKernel::Quadrilateral(*polygon.plane(), corners))
             }
-            InstanceGeometry::Triangle(triangle) => triangle.mesh.batch_kernel(triangle.index),
-            geometry if geometry.is_accelerator() => BatchKernel::Instance,
-            _ => BatchKernel::Single,
+            InstanceGeometry::Triangle(triangle) => triangle.mesh.packet_kernel(triangle.index),
+            geometry if geometry.is_accelerator() => PacketKernel::Instance,
+            _ => PacketKernel::Single,
         }
     }
 

@@ -27,7 +27,7 @@
 //!
 //! Streams test each of up to 16 primitives ([`SmallSet`](crate::wide::SmallSet)) with eight rays at a time. Lanes are
 //! `f64`, and operations are those of the exact kernel. No data is prepared, and only grazing rays need another
-//! test. This applies to spheres, triangles, quadrilaterals and planes with a [`BatchKernel`](crate::BatchKernel). Padded
+//! test. This applies to spheres, triangles, quadrilaterals and planes with a [`PacketKernel`](crate::PacketKernel). Padded
 //! bounds of other primitives are tested with eight rays at a time, and their kernels ray by ray. Accelerators among the
 //! primitives are tested with many rays at once.
 //!

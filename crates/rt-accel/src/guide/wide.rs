@@ -26,7 +26,7 @@
 //! whole packet, and so are certain hits of one triangle. Incoherent rays are interleaved in trees of more than 8 MiB:
 //! sixteen are in flight, and while one waits for its next node, others proceed. Three to seven rays at the end of a
 //! stream share a packet as well. A primitive that is an accelerator itself
-//! ([`BatchKernel::Instance`](crate::BatchKernel::Instance)) is tested with more than two rays of a packet together.
+//! ([`PacketKernel::Instance`](crate::PacketKernel::Instance)) is tested with more than two rays of a packet together.
 //! Put coherent rays next to each other.
 //!
 //! **Small trees** have at most 64 triangles. Incoherent rays of a stream are tested with all of them, eight rays at a time.

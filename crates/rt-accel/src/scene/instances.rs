@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rt_geometry::{BatchKernel, Hit, HitStream, NoProbe, Primitives, Probe, RayStream, with_local_rays};
+use rt_geometry::{Hit, HitStream, NoProbe, PacketKernel, Primitives, Probe, RayStream, with_local_rays};
 use rt_math::{Aabb, Interval, Ray, Transform};
 
 use super::geometry::Blas;
@@ -73,8 +73,8 @@ impl Primitives for Instances<'_, '_> {
         self.get(index).is_some_and(|(instance, geometry)| geometry.occluded(&instance.local_ray(ray), span, probe))
     }
 
-    fn batch_kernel(&self, _: u32) -> BatchKernel {
-        BatchKernel::Instance
+    fn packet_kernel(&self, _: u32) -> PacketKernel {
+        PacketKernel::Instance
     }
 
     fn intersect_stream<S: Probe>(&self, index: u32, rays: &RayStream, hits: &mut HitStream, probe: &mut S) {

@@ -1,7 +1,7 @@
 //! Exact intersection of one primitive with eight rays. Traversals call it for the few primitives that their filters leave open. It is
 //! compiled once.
 
-use rt_geometry::BatchKernel;
+use rt_geometry::PacketKernel;
 
 use super::f64x8::{F64x8, PACKET};
 use super::packet_spheres::SpherePacket;
@@ -25,7 +25,7 @@ impl ExactPacketHits {
     /// Intersects the rays of a mask. Those of other primitives than spheres and triangles are uncertain, and so are all at levels
     /// without packets.
     #[inline(never)]
-    pub(super) fn of(level: DetectedSimd, kernel: &BatchKernel, rays: PacketRays<'_>, mask: u32) -> Self {
+    pub(super) fn of(level: DetectedSimd, kernel: &PacketKernel, rays: PacketRays<'_>, mask: u32) -> Self {
         let mut hits = Self { uncertain: mask, ..Self::default() };
         let _ = level.dispatch_lists(ExactPacket { kernel, mask }, rays, &mut hits);
         hits
@@ -33,7 +33,7 @@ impl ExactPacketHits {
 }
 
 struct ExactPacket<'k> {
-    kernel: &'k BatchKernel,
+    kernel: &'k PacketKernel,
     mask: u32,
 }
 
@@ -50,8 +50,8 @@ impl WithSimd<PacketRays<'_>, &mut ExactPacketHits> for ExactPacket<'_> {
             }
         };
         match self.kernel {
-            BatchKernel::Sphere(sphere) => add(mask, &SpherePacket::all(simd, sphere).intersect(simd, &soa)),
-            BatchKernel::Triangle(vertices) => {
+            PacketKernel::Sphere(sphere) => add(mask, &SpherePacket::all(simd, sphere).intersect(simd, &soa)),
+            PacketKernel::Triangle(vertices) => {
                 for (axis, along) in soa.by_steepest_axis(simd).into_iter().enumerate() {
                     let rays = mask & along;
                     let missed = PacketHit { hit: 0, uncertain: 0, t: soa.min, uv: [F64x8::splat(simd, 0.0); 2] };
@@ -60,7 +60,10 @@ impl WithSimd<PacketRays<'_>, &mut ExactPacketHits> for ExactPacket<'_> {
                     }
                 }
             }
-            BatchKernel::Quadrilateral(..) | BatchKernel::Plane(_) | BatchKernel::Instance | BatchKernel::Single => {}
+            PacketKernel::Quadrilateral(..)
+            | PacketKernel::Plane(_)
+            | PacketKernel::Instance
+            | PacketKernel::Single => {}
         }
     }
 }
@@ -83,7 +86,7 @@ mod tests {
     }
 
     /// Hits of a slice.
-    fn hits_of(level: DetectedSimd, kernel: &BatchKernel, rays: &[(Ray, Interval)], mask: u32) -> ExactPacketHits {
+    fn hits_of(level: DetectedSimd, kernel: &PacketKernel, rays: &[(Ray, Interval)], mask: u32) -> ExactPacketHits {
         let mut stream = RayStream::default();
         rays.iter().for_each(|(ray, span)| stream.push(ray, *span));
         let copies = [const { OnceCell::new() }; N_PACKETS];
@@ -91,7 +94,7 @@ mod tests {
     }
 
     /// Compares results at all levels. Returns the counts of hits, and of rays that need the scalar test, at levels with packets.
-    fn compare(kernel: &BatchKernel, exact: impl Fn(&Ray, Interval) -> Option<f64>) -> [u32; 2] {
+    fn compare(kernel: &PacketKernel, exact: impl Fn(&Ray, Interval) -> Option<f64>) -> [u32; 2] {
         let mut counts = [0; 2];
         for &level in SimdLevel::ALL.iter().filter(|level| level.is_available()) {
             for seed in 0..100 {
@@ -127,9 +130,9 @@ mod tests {
     #[test]
     fn certain_results_are_those_of_the_scalar_tests() {
         let sphere = SphereKernel { centre: DVec3::new(0.3, -0.2, 0.1), radius: 0.75 };
-        let of_sphere = compare(&BatchKernel::Sphere(sphere), |ray, span| sphere.intersect(ray, span));
+        let of_sphere = compare(&PacketKernel::Sphere(sphere), |ray, span| sphere.intersect(ray, span));
         let vertices = [DVec3::new(-2.0, 0.1, -1.5), DVec3::new(2.0, -0.1, -1.5), DVec3::new(0.1, 0.2, 2.0)];
-        let of_triangle = compare(&BatchKernel::Triangle(vertices), |ray, span| {
+        let of_triangle = compare(&PacketKernel::Triangle(vertices), |ray, span| {
             intersect_triangle(vertices, 0, &SlabRay::new(ray), &WatertightRay::new(ray), span).map(|hit| hit.t)
         });
         if SimdLevel::best() != SimdLevel::Portable {
@@ -142,8 +145,8 @@ mod tests {
     #[test]
     fn other_primitives_and_extreme_rays_are_left_to_the_scalar_test() {
         let rays = [(Ray::new(DVec3::ZERO, DVec3::X * 1e-200), Interval::FORWARD); PACKET];
-        let sphere = BatchKernel::Sphere(SphereKernel { centre: DVec3::X, radius: 0.5 });
-        for kernel in [BatchKernel::Instance, BatchKernel::Single, sphere] {
+        let sphere = PacketKernel::Sphere(SphereKernel { centre: DVec3::X, radius: 0.5 });
+        for kernel in [PacketKernel::Instance, PacketKernel::Single, sphere] {
             let hits = hits_of(DetectedSimd::default(), &kernel, &rays, 0b101);
             assert_eq!((hits.hit, hits.uncertain), (0, 0b101));
         }

@@ -9,7 +9,7 @@
 
 use core::mem::MaybeUninit;
 
-use rt_geometry::{BatchKernel, with_stream_buffers};
+use rt_geometry::{PacketKernel, with_stream_buffers};
 use rt_math::Interval;
 
 use super::WideBvh;
@@ -404,19 +404,19 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
                     possible &= bounds.certain | !SpherePacket::all(simd, &sphere).miss_mask(simd, &view.packet.soa);
                     let open = possible & !bounds.certain;
                     if open.count_ones() > SWITCH_THRESHOLD {
-                        let kernel = BatchKernel::Sphere(sphere);
+                        let kernel = PacketKernel::Sphere(sphere);
                         let left = self.intersect_exactly(&kernel, (slot, open), view.rays, results, &mut t_max);
                         possible &= bounds.certain | left;
                         mask &= simd.le(simd.splat(0.0), t_max);
                     }
                 } else if uncertain.count_ones() > SWITCH_THRESHOLD {
-                    match self.tester.batch_kernel(index) {
-                        BatchKernel::Instance => {
+                    match self.tester.packet_kernel(index) {
+                        PacketKernel::Instance => {
                             possible &= bounds.certain;
                             t_max = self.intersect_instance(index, view.rays, uncertain, results, t_max);
                         }
                         // A triangle in a tree of other primitives: a floor among spheres.
-                        kernel @ BatchKernel::Triangle(_) if !O::ANY_HIT || self.tester.casts_shadow(index) => {
+                        kernel @ PacketKernel::Triangle(_) if !O::ANY_HIT || self.tester.casts_shadow(index) => {
                             let left =
                                 self.intersect_exactly(&kernel, (slot, uncertain), view.rays, results, &mut t_max);
                             possible &= bounds.certain | left;
@@ -447,7 +447,7 @@ impl<S: Simd, O: Output> PacketTraversal<'_, '_, S, O> {
     #[inline(always)]
     fn intersect_exactly(
         &self,
-        kernel: &BatchKernel,
+        kernel: &PacketKernel,
         (slot, mask): (PrimSlot, u32),
         rays: PacketRays<'_>,
         results: &mut Results<S, O>,

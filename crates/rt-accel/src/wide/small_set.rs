@@ -4,7 +4,7 @@
 mod entry;
 mod results;
 
-use rt_geometry::{BatchKernel, Hit, HitStream, Primitives, Probe, RayStream, STREAM_CAPACITY, with_stream_buffers};
+use rt_geometry::{Hit, HitStream, PacketKernel, Primitives, Probe, RayStream, STREAM_CAPACITY, with_stream_buffers};
 use rt_math::{Aabb, Interval, Ray};
 
 use self::entry::SetEntry;
@@ -20,9 +20,9 @@ use super::{packet_planes, packet_quadrilaterals, packet_triangles};
 /// A few primitives of a set, as an accelerator: hits carry the indices of the set.
 ///
 /// Tests all by ascending index, with the results of [`brute_force`](crate::brute_force), bit for bit, and its
-/// [`Counters`](crate::Counters) unless there are instances. Streams intersect [`BatchKernel::Sphere`], [`BatchKernel::Triangle`],
-/// [`BatchKernel::Quadrilateral`] and [`BatchKernel::Plane`] with eight rays at once. Of other shapes, they test the padded bounds with
-/// eight rays at once, and then single rays. A [`BatchKernel::Instance`] traces the rays that may pass its bounds together, and counts
+/// [`Counters`](crate::Counters) unless there are instances. Streams intersect [`PacketKernel::Sphere`], [`PacketKernel::Triangle`],
+/// [`PacketKernel::Quadrilateral`] and [`PacketKernel::Plane`] with eight rays at once. Of other shapes, they test the padded bounds with
+/// eight rays at once, and then single rays. A [`PacketKernel::Instance`] traces the rays that may pass its bounds together, and counts
 /// their work once.
 ///
 /// ```
@@ -234,7 +234,7 @@ impl<O: Output> EntryTracer<'_, O> {
                 continue;
             }
             let mut uncertain = match kernel {
-                BatchKernel::Sphere(sphere) => {
+                PacketKernel::Sphere(sphere) => {
                     let spheres = SpherePacket::all(simd, sphere);
                     let mut possible = active & !spheres.miss_mask(simd, soa);
                     if O::ANY_HIT && possible != 0 {
@@ -249,7 +249,7 @@ impl<O: Output> EntryTracer<'_, O> {
                     self.stats.hits += results.accept::<O>(simd, *hit_ids, possible, &hits);
                     possible & hits.uncertain
                 }
-                BatchKernel::Triangle(vertices) => {
+                PacketKernel::Triangle(vertices) => {
                     let mut uncertain = 0;
                     for (axis, rays) in by_axis.iter().enumerate() {
                         let mask = active & rays;
@@ -264,12 +264,12 @@ impl<O: Output> EntryTracer<'_, O> {
                     }
                     uncertain
                 }
-                BatchKernel::Plane(plane) => {
+                PacketKernel::Plane(plane) => {
                     let hits = packet_planes::intersect(simd, plane, soa);
                     self.stats.hits += results.accept::<O>(simd, *hit_ids, active, &hits);
                     0
                 }
-                BatchKernel::Quadrilateral(plane, corners) => {
+                PacketKernel::Quadrilateral(plane, corners) => {
                     let passing =
                         bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, results.t));
                     if passing == 0 {
@@ -280,7 +280,7 @@ impl<O: Output> EntryTracer<'_, O> {
                     self.stats.hits += results.accept::<O>(simd, *hit_ids, passing, &hits);
                     hits.uncertain
                 }
-                BatchKernel::Instance | BatchKernel::Single => {
+                PacketKernel::Instance | PacketKernel::Single => {
                     bounds.as_ref().map_or(active, |bounds| active & soa.may_pass(simd, bounds, results.t))
                 }
             };

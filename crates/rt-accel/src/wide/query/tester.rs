@@ -1,7 +1,7 @@
 //! Exact tests of primitives behind a dynamic call, so that traversal kernels do not depend on the primitives' type.
 
 use rt_geometry::{
-    BatchKernel, Hit, HitStream, PrimitiveGeometry, Primitives, Probe, RayStream, SphereKernel,
+    Hit, HitStream, PacketKernel, PrimitiveGeometry, Primitives, Probe, RayStream, SphereKernel,
     intersect_primitive_stream, intersect_primitive_uncounted, occludes_primitive_stream, occludes_primitive_uncounted,
 };
 use rt_math::{Interval, Ray};
@@ -34,7 +34,7 @@ pub(crate) trait PrimitiveKinds {
     fn exact_sphere(&self, index: u32) -> Option<SphereKernel>;
 
     /// Exact test of the primitive with several rays.
-    fn batch_kernel(&self, index: u32) -> BatchKernel;
+    fn packet_kernel(&self, index: u32) -> PacketKernel;
 
     /// True if the primitive occludes rays that hit it.
     fn casts_shadow(&self, index: u32) -> bool;
@@ -51,8 +51,8 @@ impl<P: Primitives, S: Probe> PrimitiveKinds for Tester<'_, P, S> {
         if let PrimitiveGeometry::ExactSphere(sphere) = self.primitives.geometry(index) { Some(sphere) } else { None }
     }
 
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
-        self.primitives.batch_kernel(index)
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
+        self.primitives.packet_kernel(index)
     }
 
     fn casts_shadow(&self, index: u32) -> bool {

@@ -1,6 +1,6 @@
 //! Primitives of a small set.
 
-use rt_geometry::{BatchKernel, Primitives, padded_bounds};
+use rt_geometry::{PacketKernel, Primitives, padded_bounds};
 use rt_math::Aabb;
 
 /// A primitive of the set.
@@ -10,24 +10,24 @@ pub(super) struct SetEntry {
     /// Instance and primitive of its hits.
     pub(super) hit_ids: [u32; 2],
     pub(super) casts_shadow: bool,
-    pub(super) kernel: BatchKernel,
+    pub(super) kernel: PacketKernel,
     /// Padded bounds of an instance, of a quadrilateral, or of a primitive that is intersected ray by ray; `None` if it is unbounded.
     pub(super) bounds: Option<Aabb>,
 }
 
 impl SetEntry {
     pub(super) const NONE: Self =
-        Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: BatchKernel::Single, bounds: None };
+        Self { index: 0, hit_ids: [0; 2], casts_shadow: false, kernel: PacketKernel::Single, bounds: None };
 
     pub(super) fn new<P: Primitives>(primitives: &P, index: u32) -> Self {
-        let kernel = primitives.batch_kernel(index);
+        let kernel = primitives.packet_kernel(index);
         Self {
             index,
             hit_ids: primitives.hit_ids(index),
             casts_shadow: primitives.casts_shadow(index),
             kernel,
             bounds: match kernel {
-                BatchKernel::Single | BatchKernel::Instance | BatchKernel::Quadrilateral(..) => {
+                PacketKernel::Single | PacketKernel::Instance | PacketKernel::Quadrilateral(..) => {
                     padded_bounds(primitives, index)
                 }
                 _ => None,
@@ -36,16 +36,16 @@ impl SetEntry {
     }
 
     pub(super) const fn is_instance(&self) -> bool {
-        matches!(self.kernel, BatchKernel::Instance)
+        matches!(self.kernel, PacketKernel::Instance)
     }
 
     /// True if its tests with eight rays at once use their inverse.
     pub(super) const fn needs_inverse(&self) -> bool {
-        !matches!(self.kernel, BatchKernel::Sphere(_) | BatchKernel::Plane(_))
+        !matches!(self.kernel, PacketKernel::Sphere(_) | PacketKernel::Plane(_))
     }
 
     /// True if it is intersected with eight rays at once.
     pub(super) fn has_kernel(&self) -> bool {
-        !self.is_instance() && (self.bounds.is_some() || self.kernel != BatchKernel::Single)
+        !self.is_instance() && (self.bounds.is_some() || self.kernel != PacketKernel::Single)
     }
 }

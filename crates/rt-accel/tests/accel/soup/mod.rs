@@ -7,7 +7,7 @@ pub(crate) mod accelerators;
 pub(crate) mod rays;
 
 use rt_accel::{Aabb, ClosestPoint, DVec3, Hit, Interval, PrimitiveGeometry, Primitives, Ray, SphereKernel};
-use rt_geometry::{BatchKernel, Plane, WatertightRay};
+use rt_geometry::{PacketKernel, Plane, WatertightRay};
 use rt_math::{SlabRay, Vec3};
 
 use rt_tests::Draw;
@@ -291,12 +291,12 @@ impl Primitives for Soup {
         }
     }
 
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
         match self.0[index as usize] {
-            Solid::Round(round) => BatchKernel::Sphere(round),
-            Solid::Facet(vertices) => BatchKernel::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
-            Solid::Ground { height } => BatchKernel::Plane(ground(height)),
-            _ => BatchKernel::Single,
+            Solid::Round(round) => PacketKernel::Sphere(round),
+            Solid::Facet(vertices) => PacketKernel::Triangle(vertices.map(|vertex| vertex.as_dvec3())),
+            Solid::Ground { height } => PacketKernel::Plane(ground(height)),
+            _ => PacketKernel::Single,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::SmallSet;
 use rt_accel::{
-    Aabb, Accelerator, BatchKernel, Bvh, Counters, DVec3, Hit, HitStream, Interval, NoProbe, Primitives, Probe, Ray,
+    Aabb, Accelerator, Bvh, Counters, DVec3, Hit, HitStream, Interval, NoProbe, PacketKernel, Primitives, Probe, Ray,
     RayStream, WideBvh, brute_force,
 };
 
@@ -62,9 +62,9 @@ impl<T: Accelerator> Primitives for Yard<'_, T> {
                 None => soup.occludes(0, ray, span),
             }
     }
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
         let Thing { soup, accelerator, .. } = self.things[index as usize];
-        if accelerator.is_some() { BatchKernel::Instance } else { soup.batch_kernel(0) }
+        if accelerator.is_some() { PacketKernel::Instance } else { soup.packet_kernel(0) }
     }
     fn hit_ids(&self, index: u32) -> [u32; 2] {
         [index, 0]

@@ -6,7 +6,7 @@ use crate::soup::rays::{Query, adversarial};
 use crate::soup::{Solid, Soup};
 use rt_accel::wide::SimdLevel;
 use rt_accel::{
-    Aabb, BatchKernel, DVec3, Hit, HitStream, Interval, PrimitiveGeometry, Primitives, Ray, RayStream, STREAM_CAPACITY,
+    Aabb, DVec3, Hit, HitStream, Interval, PacketKernel, PrimitiveGeometry, Primitives, Ray, RayStream, STREAM_CAPACITY,
 };
 use rt_tests::Draw;
 
@@ -46,8 +46,8 @@ impl Primitives for Counting<'_> {
     fn geometry(&self, index: u32) -> PrimitiveGeometry {
         self.0.geometry(index)
     }
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
-        self.0.batch_kernel(index)
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
+        self.0.packet_kernel(index)
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rt_accel::wide::{SimdLevel, SmallSet};
 use rt_accel::{
-    Aabb, Accelerator, BatchKernel, Counters, DVec3, Hit, Interval, Linear, NoProbe, Primitives, Ray, SlabRay,
+    Aabb, Accelerator, Counters, DVec3, Hit, Interval, Linear, NoProbe, PacketKernel, Primitives, Ray, SlabRay,
     SphereKernel, WideBvh, brute_force,
 };
 use rt_geometry::{InsideRule, Polygon, STREAM_CAPACITY};
@@ -93,8 +93,8 @@ impl Primitives for Renamed<'_> {
     fn intersect(&self, index: u32, ray: &Ray, span: Interval) -> Option<Hit> {
         self.0.intersect(index, ray, span).map(|hit| Hit { instance: 7, primitive: 100 + index, ..hit })
     }
-    fn batch_kernel(&self, _: u32) -> BatchKernel {
-        BatchKernel::Single
+    fn packet_kernel(&self, _: u32) -> PacketKernel {
+        PacketKernel::Single
     }
 }
 
@@ -267,10 +267,10 @@ impl Primitives for Polygons {
     fn casts_shadow(&self, index: u32) -> bool {
         index != 2
     }
-    fn batch_kernel(&self, index: u32) -> BatchKernel {
+    fn packet_kernel(&self, index: u32) -> PacketKernel {
         let polygon = &self.0[index as usize];
         let corners = polygon.convex_quadrilateral();
-        corners.map_or(BatchKernel::Single, |corners| BatchKernel::Quadrilateral(*polygon.plane(), corners))
+        corners.map_or(PacketKernel::Single, |corners| PacketKernel::Quadrilateral(*polygon.plane(), corners))
     }
 }
 
