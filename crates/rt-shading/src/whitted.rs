@@ -6,8 +6,8 @@
 //!    └───────── mirrored, refracted <────┘
 //! ```
 //!
-//! Eight rays that follow each other in a stream are shaded together: all that hit the same primitive, or spheres and triangles of
-//! the same material. So the numbers of the material are the same in all lanes. Surfaces and materials without a version for lanes are
+//! Eight rays that follow each other in a stream are shaded together, if they hit the same primitive, or spheres and triangles of
+//! one material. So the numbers of the material are the same in all lanes. Surfaces and materials without a version for lanes are
 //! shaded one by one, with the same streams.
 
 mod counts;
