@@ -414,8 +414,10 @@ mod tests {
             );
             for (at, offset) in offsets.into_iter().enumerate() {
                 let ray = camera.generate_ray(corner + DVec2::from_array(offset), on_lens[at], 0.0);
-                assert_eq!(ray.origin.to_array(), origin.map(|numbers| numbers[at]), "{settings:?}");
-                assert_eq!(ray.direction.to_array(), direction.map(|numbers| numbers[at]), "{settings:?}");
+                for (expected, found) in [(ray.origin, &origin), (ray.direction, &direction)] {
+                    let found = found.map(|numbers| numbers[at]);
+                    assert_eq!(expected.to_array().map(f64::to_bits), found.map(f64::to_bits), "{settings:?}");
+                }
             }
         }
     }

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mass_of_the_gaussian_is_rounded_correctly() {
+    fn the_mass_of_the_gaussian_is_that_of_the_formula() {
         assert_eq!(GAUSSIAN_MASS, 1.0 - exp(-0.5 * GAUSSIAN_CUT * GAUSSIAN_CUT));
     }
 

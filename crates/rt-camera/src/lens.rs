@@ -57,7 +57,7 @@ impl Lens {
         on_unit * self.radius
     }
 
-    /// Corner of the aperture on the unit circle; the last one is the first again.
+    /// Corner of an aperture with blades, on the unit circle. One turn after the first is the first again, up to rounding.
     fn corner(&self, corner: u32) -> DVec2 {
         let blades = self.blades.map_or(1.0, f64::from);
         let (sin, cos) = sincos(TAU * (f64::from(corner) / blades) + self.rotation);
@@ -86,7 +86,7 @@ const MAX_STORED_BLADES: usize = 16;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aperture {
     lens: Lens,
-    /// Corners on the unit circle, if there are few.
+    /// The first corners on the unit circle, used if there are at most [`MAX_STORED_BLADES`] blades.
     corners: [DVec2; MAX_STORED_BLADES + 1],
 }
 
