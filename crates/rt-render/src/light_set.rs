@@ -26,10 +26,22 @@ pub(crate) fn light_set(
     lights.extend(appearance.lights.iter().cloned().map(Light::Delta));
     let n_sampled = lights.iter().filter(|light| !light.is_delta()).count();
     let lights = LightSet::new(lights, scene.settings.light_sampling, radius(top));
-    // A light that casts no shadow hides others only.
-    let hides_lights =
-        |instance: &Instance| !instance.casts_shadow && n_sampled > usize::from(instance.light.is_some());
-    if top.all_instances(levels).any(hides_lights) { lights.seen_through_objects() } else { lights }
+    let hides_lights = top.instances.iter().any(|instance| match instance.geometry.group() {
+        None => may_hide_lights(instance, None, n_sampled),
+        Some(group) => {
+            let mut inner = levels.groups[group as usize].instances.iter();
+            inner.any(|inner| may_hide_lights(inner, Some(instance), n_sampled))
+        }
+    });
+    if hides_lights { lights.seen_through_objects() } else { lights }
+}
+
+/// True if an object, perhaps within the instance of a group, casts no shadow and may lie before a sampled light other than itself.
+fn may_hide_lights(object: &Instance, group: Option<&Instance>, n_sampled: usize) -> bool {
+    let casts_shadow = object.casts_shadow && group.is_none_or(|group| group.casts_shadow);
+    // Objects of a group that is not sampled keep the indices of their lights.
+    let is_sampled = object.light.is_some() && group.is_none_or(|group| group.light.is_some());
+    !casts_shadow && n_sampled > usize::from(is_sampled)
 }
 
 /// Half of the diagonal around the bounded part of the world; 1 without one.

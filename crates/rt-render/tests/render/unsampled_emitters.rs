@@ -5,10 +5,10 @@ use rt_image::Image;
 use rt_math::{DVec3, Rgb, Transform};
 use rt_scene_io::{Content, Group, GroupId, Integrator, RenderSettings, Scene, SceneNode};
 use rt_shading::{
-    Background, ColorTexture, FloatTexture, LayeredBase, LayeredSurface, MaterialModel, Texture, TextureId,
+    Appearance, Background, ColorTexture, FloatTexture, LayeredBase, LayeredSurface, MaterialModel, Texture, TextureId,
 };
 
-use crate::support::{diffuse_shapes, film, node, node_at, sphere};
+use crate::support::{cuboid, diffuse_shapes, film, glowing, node, node_at, plane, sphere};
 
 /// Diffuse surfaces and one emitter, in place of the emissive polygon.
 fn lit_by(emitter: SceneNode) -> Scene {
@@ -106,4 +106,32 @@ fn their_rays_find_no_background_where_ambient_light_stands_for_it() {
         // Some pixels are partly covered.
         assert!(inside.len() > 1000 && changed < inside.len() / 10, "{name}: {changed} of {}", inside.len());
     }
+}
+
+/// Shadow rays pass what stands before the lamp. Directions sampled by the surfaces below hit it.
+#[test]
+fn stretched_groups_without_shadow_hid_lamps_from_sampled_directions() {
+    let shade = SceneNode { casts_shadow: false, ..node(sphere(0.0, 0.0, 0.0, 1.5), 2) };
+    let lamp = node(cuboid([-2.0, 2.6, -2.0], [2.0, 2.7, 2.0]), 3);
+    let at = |z: f64| Transform::translate(DVec3::new(0.0, 2.0, z));
+    let flat = |z| at(z).compose(&Transform::scale(DVec3::new(1.0, 0.3, 1.0)).expect("regular"));
+    let lit_by = |nodes: &[SceneNode]| {
+        let black = Background::Constant(Rgb::BLACK);
+        let mut scene = diffuse_shapes();
+        scene.appearance = Appearance { lights: Vec::new(), background: black, ..scene.appearance };
+        scene.appearance.materials[2] = glowing(Rgb::gray(1e-4));
+        scene.appearance.materials.push(glowing(Rgb::WHITE));
+        let floor = node(plane(DVec3::ZERO, DVec3::Y), 0);
+        scene.nodes = [&[floor], nodes].concat();
+        scene.settings = RenderSettings { integrator: Integrator::Path, spp: 16, depth: 1, ..scene.settings };
+        scene
+    };
+    // Stretched spheres are not sampled, even if the group has the index of a light.
+    let placed = |node: SceneNode, z| SceneNode { parent_from_local: flat(z), ..node };
+    let by_themselves = lit_by(&[lamp.clone(), placed(shade.clone(), 0.0), placed(shade.clone(), 900.0)]);
+    let instance = |z| placed(node(Content::Instance(GroupId(0)), 0), z);
+    let mut stretched = lit_by(&[lamp.clone(), instance(0.0), instance(900.0)]);
+    stretched.groups = vec![Group { name: "shade".into(), nodes: vec![shade.clone()] }];
+    let off = difference(&film(&stretched), &film(&by_themselves));
+    assert!(off < 1e-6, "the group differs by {off}");
 }
