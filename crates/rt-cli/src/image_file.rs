@@ -39,7 +39,8 @@ pub(crate) fn chosen_format(path: &Path, given: Option<ImageFormat>) -> Result<I
         }
         (Some(format), _) => Ok(format),
         (None, _) if is_dash(path) || is_null_device(path) => Ok(ImageFormat::Png),
-        (None, _) => format_of(path),
+        (None, Ok(named)) => Ok(named),
+        (None, Err(error)) => usage(format!("{error}, or choose one by --output-format")),
     }
 }
 

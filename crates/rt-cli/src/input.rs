@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rt_image::ImageFormat;
 use rt_math::Rgb;
 use rt_scene_io::{
-    Background, InMemoryFile, InputHashes, LoadErrorKind, LoadOptions, MemoryBudget, Scene, Warning, load,
+    Background, InMemoryFile, InputHashes, LoadErrorKind, LoadOptions, MemoryBudget, Scene, SceneNode, Warning, load,
     read_environment,
 };
 
@@ -47,7 +47,8 @@ pub(crate) fn read(args: &InputArgs, image: Option<&ImageArgs>, console: Console
     let mut scene = load(&args.scene, &options)?;
     warn(&scene.warnings, console);
     let mut files = options.referenced.paths();
-    scene.notes.extend(unused_options(args, &options, &files));
+    let notes = unused_options(args, &options, &files, &scene);
+    scene.notes.extend(notes);
     if args.piped.is_none() {
         files.push(args.scene.clone());
     }
@@ -69,7 +70,7 @@ fn refuse_results(file: &Path) -> Result<(), CliError> {
 }
 
 /// Notes about options that do not apply to the scene, which refers to `files`.
-fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf]) -> Vec<String> {
+fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf], loaded: &Scene) -> Vec<String> {
     let scene = args.scene.display();
     let has_extension = |file: &Path, known: [&str; 2]| {
         file.extension().is_some_and(|extension| known.iter().any(|known| extension.eq_ignore_ascii_case(known)))
@@ -82,6 +83,10 @@ fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf]) ->
     } else if is_still && args.timing.fps.total_cmp(&LoadOptions::DEFAULT_FPS).is_ne() {
         notes.push("--fps has no effect: no animation is shown; --frames and --at-time choose a time.".to_owned());
     }
+    // A shutter that closes at once chooses a pose.
+    if is_still && args.timing.shutter.is_some_and(|[opens, closes]| opens < closes) && !has_motion(loaded) {
+        notes.push(format!("--shutter has no effect: nothing in {scene} moves while it is open."));
+    }
     if args.variant.is_some() && !files.iter().chain([&args.scene]).any(is_gltf) {
         notes.push(format!("--variant has no effect: {scene} has no glTF model."));
     }
@@ -89,6 +94,19 @@ fn unused_options(args: &InputArgs, options: &LoadOptions, files: &[PathBuf]) ->
         notes.push("--ground has no effect on scene files.".to_owned());
     }
     notes
+}
+
+/// True if an object or a camera moves while the shutter is open.
+fn has_motion(scene: &Scene) -> bool {
+    let mut nodes: Vec<&SceneNode> =
+        scene.nodes.iter().chain(scene.groups.iter().flat_map(|group| &group.nodes)).collect();
+    while let Some(node) = nodes.pop() {
+        if node.moves_to.is_some() {
+            return true;
+        }
+        nodes.extend(&node.children);
+    }
+    scene.cameras.iter().any(|camera| camera.settings.moves_to.is_some())
 }
 
 fn environment(file: &Path, options: &LoadOptions) -> Result<Background, CliError> {

@@ -4,8 +4,8 @@ use rt_camera::{CameraSettings, Projection};
 use rt_check::short_number;
 use rt_image::{Development, Dither};
 use rt_math::{DVec3, Transform};
-use rt_render::PlanOptions;
-use rt_scene_io::{AdaptiveSampling, Background, Integrator, LoadErrorKind, Scene};
+use rt_render::{PlanOptions, Quality};
+use rt_scene_io::{Accel, AdaptiveSampling, Background, Integrator, LoadErrorKind, Scene};
 
 use crate::args::{AdaptiveChoice, BackgroundChoice, DevelopmentArgs, ImageArgs, ViewArgs};
 use crate::error::{CliError, usage};
@@ -62,6 +62,8 @@ pub(crate) fn resolve(
         let note = simplification(&scene);
         scene.notes.extend(note);
     }
+    let notes = unused_options(args, &scene);
+    scene.notes.extend(notes);
     correct_notes(&args.view, &mut scene);
     let camera = find_camera(args.view.camera.as_deref(), &scene)?;
     if let Some(camera) = scene.cameras.get_mut(camera) {
@@ -81,6 +83,21 @@ pub(crate) fn resolve(
         maps: false,
     };
     Ok((scene, options))
+}
+
+/// Notes about options that do not apply to the scene with its settings.
+fn unused_options(args: &ImageArgs, scene: &Scene) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (accel, materials) = (scene.settings.accel, &scene.appearance.materials);
+    if args.build_quality != Quality::default() && !matches!(accel, Accel::Auto | Accel::Wide) {
+        notes.push(format!("--build-quality has no effect on {}: only {} has it.", accel.name(), Accel::Wide.name()));
+    }
+    let has_environment = matches!(scene.appearance.background, Background::Environment(_));
+    if args.light_sampling.is_some() && !has_environment && materials.iter().all(|material| material.emission.is_zero())
+    {
+        notes.push("--light-sampling has no effect: the scene has no area light and no environment image.".to_owned());
+    }
+    notes
 }
 
 /// Note about features of physically based materials that the integrator ignores.

@@ -268,6 +268,12 @@ fn options_without_effect_are_noted() {
         ("scene.ron --fps 12", "--fps has no effect: no animation is shown; --frames and --at-time choose a time."),
         ("m.obj --variant blue", "--variant has no effect: m.obj has no glTF model."),
         ("scene.ron --ground", "--ground has no effect on scene files."),
+        ("scene.ron --shutter 0,1", "--shutter has no effect: nothing in scene.ron moves while it is open."),
+        ("scene.ron --build-quality low --accel kd", "--build-quality has no effect on kd: only bvh8 has it."),
+        (
+            "scene.ron --light-sampling power",
+            "--light-sampling has no effect: the scene has no area light and no environment image.",
+        ),
     ] {
         let run = place.succeed(&format!("render {arguments} --size 8x8 --spp 1 -o out.png"));
         assert!(run.stdout.contains(&format!("note: {note}\n")), "{arguments}: {run:?}");
