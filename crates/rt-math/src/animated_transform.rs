@@ -97,6 +97,7 @@ impl AnimatedTransform {
     }
 
     /// Transform at a time: exactly that of the start or end there and beyond, and that of the start for a NaN.
+    #[inline]
     pub fn at(&self, time: f64) -> Transform {
         if !(time > 0.0) {
             return self.start;
@@ -183,6 +184,9 @@ pub(crate) fn angle_between(from: DQuat, to: DQuat) -> f64 {
 /// Spherical linear interpolation (Shoemake) of unit quaternions with this angle between them, at a time from 0 to 1.
 pub(crate) fn slerp(from: DQuat, to: DQuat, angle: f64, time: f64) -> DQuat {
     let (from, to) = (DVec4::from(from), DVec4::from(to));
+    if angle == 0.0 {
+        return DQuat::from_vec4(from / from.length());
+    }
     let (before, after) = (sin((1.0 - time) * angle), sin(time * angle));
     let sum = if before + after > 0.0 { from * before + to * after } else { from };
     DQuat::from_vec4(sum / sum.length())

@@ -20,50 +20,77 @@ use crate::{Aabb, AnimatedTransform, Transform};
 pub struct AnimatedTransformChain {
     /// The innermost animated transform and the chain that is applied after it. Shared by all chains below.
     outer: Option<Arc<(Self, AnimatedTransform)>>,
-    /// Constant transform that is applied first.
-    last: Transform,
+    /// Constant transform that is applied first; `None` for the identity, which most nodes that move have.
+    last: Option<Transform>,
 }
 
 impl AnimatedTransformChain {
+    /// Identity.
+    pub const IDENTITY: Self = Self { outer: None, last: None };
+
     /// Chain without animated transforms.
-    pub const fn constant(transform: Transform) -> Self {
-        Self { outer: None, last: transform }
+    pub fn constant(transform: Transform) -> Self {
+        Self { outer: None, last: (!transform.is_identity()).then_some(transform) }
     }
 
     /// The transform, if the chain is constant.
     pub const fn as_constant(&self) -> Option<&Transform> {
-        if self.outer.is_none() { Some(&self.last) } else { None }
+        if self.outer.is_none() { Some(self.last()) } else { None }
     }
 
     /// Chain that applies `first` and then this one.
     #[must_use]
     pub fn compose(mut self, first: &Transform) -> Self {
-        self.last = self.last.compose(first);
+        if !first.is_identity() {
+            self.last = Some(self.last.map_or(*first, |last| last.compose(first)));
+        }
         self
     }
 
     /// Chain that applies the animated transform `first` and then this one.
     #[must_use]
     pub fn compose_animated(self, first: &AnimatedTransform) -> Self {
-        Self { outer: Some(Arc::new((self, *first))), last: Transform::IDENTITY }
+        Self { outer: Some(Arc::new((self, *first))), last: None }
+    }
+
+    /// Constant transform that is applied first.
+    const fn last(&self) -> &Transform {
+        match &self.last {
+            Some(last) => last,
+            None => &Transform::IDENTITY,
+        }
     }
 
     /// The map at a time.
     pub fn at(&self, time: f64) -> Transform {
-        let (mut chain, mut map) = (self, self.last);
+        let Some((outer, motion)) = self.outer.as_deref() else { return *self.last() };
+        let mut map = outer.compose_at(motion, time);
+        if let Some(first) = &self.last {
+            map = map.compose(first);
+        }
+        let mut chain = outer;
         while let Some((outer, motion)) = chain.outer.as_deref() {
-            map = outer.last.compose(&motion.at(time)).compose(&map);
+            map = outer.compose_at(motion, time).compose(&map);
             chain = outer;
         }
         map
     }
 
+    /// Applies an animated transform at a time, and then the last constant transform.
+    #[inline]
+    fn compose_at(&self, motion: &AnimatedTransform, time: f64) -> Transform {
+        match &self.last {
+            Some(last) => last.compose(&motion.at(time)),
+            None => motion.at(time),
+        }
+    }
+
     /// Bounds of the image of a box over times 0 to 1; exactly those of its image for a constant chain. Each transform
     /// is applied to the bounds of the previous one. Empty stays empty.
     pub fn aabb(&self, aabb: &Aabb) -> Aabb {
-        let (mut chain, mut sum) = (self, self.last.aabb(aabb));
+        let (mut chain, mut sum) = (self, self.last().aabb(aabb));
         while let Some((outer, motion)) = chain.outer.as_deref() {
-            sum = outer.last.aabb(&motion.aabb(&sum));
+            sum = outer.last().aabb(&motion.aabb(&sum));
             chain = outer;
         }
         sum

@@ -103,7 +103,7 @@ struct Level {
 
 impl Level {
     const TOP: Self = Self {
-        aggregate_from_parent: AnimatedTransformChain::constant(Transform::IDENTITY),
+        aggregate_from_parent: AnimatedTransformChain::IDENTITY,
         casts_shadow: true,
         depth: 0,
         within_group: false,

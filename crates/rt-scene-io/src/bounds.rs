@@ -1,7 +1,7 @@
 //! Bounds over the tree of a scene.
 
 use rt_geometry::Shape;
-use rt_math::{Aabb, AnimatedTransformChain, Transform};
+use rt_math::{Aabb, AnimatedTransformChain};
 
 use crate::{Content, Group, GroupId, MeshId, NamedMesh, Scene, SceneNode};
 
@@ -27,7 +27,7 @@ pub(crate) fn tree_bounds(nodes: &[SceneNode], groups: &[Group], meshes: &[Named
 /// The box around nodes, in the space of their parent. Trees may be deep, so the walk keeps its own stack.
 fn measure(nodes: &[SceneNode], groups: &[Aabb], meshes: &[NamedMesh]) -> Aabb {
     let mut sum = Aabb::EMPTY;
-    let here = AnimatedTransformChain::constant(Transform::IDENTITY);
+    let here = AnimatedTransformChain::IDENTITY;
     let mut open: Vec<(&SceneNode, AnimatedTransformChain)> = nodes.iter().map(|node| (node, here.clone())).collect();
     while let Some((node, outer)) = open.pop() {
         // A motion that cannot be interpolated is ignored.
