@@ -67,7 +67,11 @@ impl SurfaceTransmission {
     #[inline]
     pub(crate) fn is_visible(self, material: &Material, interface: Option<&MediumInterface>) -> bool {
         let is_clear = |interface: &MediumInterface| interface.is_null() && material.is_clear();
-        self != Self::Solid || interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface))
+        match self {
+            Self::None => true,
+            Self::Thin => !material.is_air(),
+            Self::Solid => interface.is_some_and(|interface| interface.is_boundary && !is_clear(interface)),
+        }
     }
 }
 

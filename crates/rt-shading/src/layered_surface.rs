@@ -91,6 +91,15 @@ impl LayeredSurface {
         }
     }
 
+    /// Version of [`MaterialModel::shows_layers`](crate::MaterialModel) for this surface.
+    pub(crate) fn shows_layers(&self) -> bool {
+        let is_smooth = match &self.base {
+            LayeredBase::MetallicRoughness { roughness, .. } => roughness.is_zero(),
+            LayeredBase::SpecularGlossiness { .. } => false,
+        };
+        !self.clearcoat.is_zero() || !self.sheen_color.is_zero() || (self.is_thin && !is_smooth)
+    }
+
     pub(crate) fn bsdf(&self, at: &MaterialEvalContext<'_>) -> Layered {
         let mut layers = match &self.base {
             LayeredBase::MetallicRoughness { base_color, metallic, roughness } => self.metallic_roughness(

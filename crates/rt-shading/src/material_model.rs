@@ -145,6 +145,15 @@ impl MaterialModel {
         }
     }
 
+    /// True if layers, or roughness of thin glass, show even an index-matched surface. The Phong model leaves them out.
+    pub(crate) fn shows_layers(&self) -> bool {
+        match self {
+            Self::Layered(layered) => layered.shows_layers(),
+            Self::Mix(parts) => parts.iter().any(|(_, part)| part.shows_layers()),
+            _ => false,
+        }
+    }
+
     /// True if a lobe may be a delta distribution.
     ///
     /// Rough dielectrics count: between media of nearly equal indices of refraction they scatter almost no light.

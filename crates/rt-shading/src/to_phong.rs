@@ -49,12 +49,18 @@ impl Material {
 
     /// True if an index-matched interface of this material is invisible.
     pub fn is_clear(&self) -> bool {
-        self.emission.is_zero() && self.to_phong().is_clear()
+        self.emission.is_zero() && !self.model.shows_layers() && self.to_phong().is_clear()
     }
 
     /// True if the material is invisible in air. It casts no shadow.
     pub fn is_air(&self) -> bool {
-        self.is_clear() && self.phong_interior().is_some_and(|interior| interior.is_air())
+        let is_matched = match (&self.interior, &self.model) {
+            (Some(interior), _) => interior.is_air(),
+            (None, MaterialModel::ThinGlass { ior, .. }) => *ior == 1.0,
+            (None, MaterialModel::Layered(layered)) => layered.ior == 1.0,
+            (None, _) => true,
+        };
+        is_matched && self.is_clear()
     }
 }
 

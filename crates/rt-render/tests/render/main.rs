@@ -19,4 +19,5 @@ mod refusals;
 mod replaced_camera;
 mod shards;
 mod support;
+mod thin_panes;
 mod unsampled_emitters;
