@@ -92,10 +92,12 @@ fn status(progress: Progress, (earlier_samples, earlier_rays): (u64, u64), elaps
     let Progress { samples, total_samples, rays, pass } = progress;
     let done = samples.saturating_sub(earlier_samples);
     let rate = rays.saturating_sub(earlier_rays) as f64 / elapsed.as_secs_f64().max(1e-9) * 1e-6;
-    let left = elapsed.as_secs_f64() * (total_samples.saturating_sub(samples) as f64 / done.max(1) as f64);
+    // The total of a render with a target error is a forecast.
+    let samples_left = total_samples.saturating_sub(samples).max(pass.map_or(0, |pass| pass.samples_left));
+    let left = elapsed.as_secs_f64() * (samples_left as f64 / done.max(1) as f64);
     let left = HumanDuration(Duration::from_secs_f64(left.min(MAX_REMAINING)));
     let pass = match pass {
-        Some(PassProgress { finished, spp, rmse: Some(rmse), error_progress }) => {
+        Some(PassProgress { finished, spp, rmse: Some(rmse), error_progress, .. }) => {
             let error = match error_progress {
                 None => format!("RMSE {rmse:.3e}"),
                 Some(ErrorProgress::Image { error, target }) => {
@@ -127,16 +129,24 @@ mod tests {
 
     #[test]
     fn passes_tell_the_error_so_far() {
-        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.001_234), error_progress: None });
+        let pass =
+            Some(PassProgress { finished: 6, samples_left: 0, spp: 32, rmse: Some(0.001_234), error_progress: None });
         let progress = Progress { samples: 500, total_samples: 1000, rays: 1_000_000, pass };
         let expected = "pass 7, 32 spp, RMSE 1.234e-3, 1.00 Mrays/s, 1 second left";
         assert_eq!(status(progress, (0, 0), Duration::from_secs(1)), expected);
-        let first =
-            Progress { pass: Some(PassProgress { finished: 0, spp: 0, rmse: None, error_progress: None }), ..progress };
+        let first = Progress {
+            pass: Some(PassProgress { finished: 0, samples_left: 0, spp: 0, rmse: None, error_progress: None }),
+            ..progress
+        };
         assert!(status(first, (0, 0), Duration::from_secs(1)).starts_with("pass 1, 1.00 Mrays/s"));
         let shown = |error_progress| {
-            let pass =
-                Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), error_progress: Some(error_progress) });
+            let pass = Some(PassProgress {
+                finished: 6,
+                samples_left: 0,
+                spp: 32,
+                rmse: Some(0.1),
+                error_progress: Some(error_progress),
+            });
             status(Progress { pass, ..progress }, (0, 0), Duration::from_secs(1))
         };
         let image = shown(ErrorProgress::Image { error: 0.071, target: 0.05 });
@@ -145,10 +155,20 @@ mod tests {
         assert!(pixels.starts_with("pass 7, 32 spp, 93.1 % of the pixels done, target 99 %, "), "{pixels}");
     }
 
+    /// Regression: "0 seconds left" was shown for the last pass, which may be a quarter of the render.
+    #[test]
+    fn the_remaining_time_includes_the_pass() {
+        let error_progress = Some(ErrorProgress::Image { error: 0.0201, target: 0.02 });
+        let pass = Some(PassProgress { finished: 15, samples_left: 250, spp: 768, rmse: Some(0.1), error_progress });
+        let progress = Progress { samples: 750, total_samples: 750, rays: 1_000_000, pass };
+        let shown = status(capped(progress), (0, 0), Duration::from_secs(30));
+        assert!(shown.ends_with(", 10 seconds left"), "{shown}");
+    }
+
     #[test]
     fn progress_stays_below_100_percent_until_the_target_is_reached() {
         let percent = |error_progress| {
-            let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), error_progress });
+            let pass = Some(PassProgress { finished: 6, samples_left: 0, spp: 32, rmse: Some(0.1), error_progress });
             let shown = capped(Progress { samples: 5000, total_samples: 5000, rays: 1, pass });
             100 * shown.samples / shown.total_samples
         };
@@ -157,7 +177,7 @@ mod tests {
         assert_eq!(percent(Some(ErrorProgress::Image { error: 0.06, target: 0.05 })), 99);
         assert_eq!((percent(Some(ErrorProgress::Image { error: 0.05, target: 0.05 })), percent(None)), (100, 100));
         let open = Some(ErrorProgress::Pixels { share: 0.1, target: 0.99 });
-        let pass = Some(PassProgress { finished: 6, spp: 32, rmse: Some(0.1), error_progress: open });
+        let pass = Some(PassProgress { finished: 6, samples_left: 0, spp: 32, rmse: Some(0.1), error_progress: open });
         let early = Progress { samples: 50, total_samples: 5000, rays: 1, pass };
         assert_eq!(capped(early).total_samples, 5000);
     }

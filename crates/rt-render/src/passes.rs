@@ -58,6 +58,15 @@ impl PassSpec<'_> {
         u64::from(self.count) * u64::from(self.spp)
     }
 
+    /// Maximum number of samples of some tiles.
+    pub(crate) fn samples_of(&self, tiles: impl Iterator<Item = Crop>) -> u64 {
+        let pixels = |tile: Crop| match self.pixels {
+            None => tile.area(),
+            Some(_) => self.pixels_of(tile).count() as u64,
+        };
+        self.samples_per_pixel() * tiles.map(pixels).sum::<u64>()
+    }
+
     /// Sampled pixels of a tile, row by row.
     pub(crate) fn pixels_of(&self, tile: Crop) -> impl Iterator<Item = [u32; 2]> {
         tile.pixels().filter(|&pixel| self.pixels.is_none_or(|mask| mask.contains(pixel)))

@@ -102,7 +102,8 @@ impl Progressive<'_> {
         let left: Vec<_> = tiles.iter().copied().filter(|&number| !state.cursor.done_tiles[number]).collect();
         let samples_before = state.statistics.samples;
         let (finished, taken) = (state.statistics.passes, state.cursor.taken);
-        let pass_progress = PassProgress { finished, spp: taken, rmse: state.error.rmse(), error_progress };
+        let rmse = state.error.rmse();
+        let end_of_pass = samples_before + pass_spec.samples_of(left.iter().map(|&number| scheduler.tiles()[number]));
         let pixels: u64 = tiles.iter().map(|&number| scheduler.tiles()[number].area()).sum();
         let outcome = scheduler.render_tiles(&pass_spec, &left, |number, tile| {
             let saturated = accumulate(state.layout, &mut state.pixels, &tile, light.as_ref(), &pass_spec);
@@ -120,7 +121,9 @@ impl Progressive<'_> {
                 (None, None) => pixels.saturating_mul(rule.max_spp.into()),
             };
             let rays = statistics.counters.total().rays;
-            let progress = Progress { samples, total_samples, rays, pass: Some(pass_progress) };
+            let samples_left = end_of_pass.saturating_sub(samples);
+            let pass = PassProgress { finished, samples_left, spp: taken, rmse, error_progress };
+            let progress = Progress { samples, total_samples, rays, pass: Some(pass) };
             observer.tile_done(&RenderSnapshot { progress, tile: tile.tile, state: FilmState::Passes(state) });
         });
         state.lost.extend(outcome.lost.iter().map(|&number| number as u32));

@@ -42,6 +42,8 @@ pub struct Progress {
 pub struct PassProgress {
     /// Passes finished.
     pub finished: u32,
+    /// Samples of the current pass that are still to be taken. A pass is always finished.
+    pub samples_left: u64,
     /// Maximum number of samples of a pixel.
     pub spp: u32,
     /// Estimated root mean square error of the current image, from two passes on.

@@ -55,7 +55,7 @@ mod tests {
     use super::*;
     use crate::MaterialId;
     use rt_geometry::{Plane, Sphere};
-    use rt_math::DVec3;
+    use rt_math::{DVec3, Transform};
 
     fn sphere(centre: DVec3) -> SceneNode {
         SceneNode::new(Content::Shape(Shape::Sphere(Sphere::new(centre, 1.0).unwrap())), MaterialId(0))

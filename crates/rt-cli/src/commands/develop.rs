@@ -25,8 +25,12 @@ pub(super) fn run(args: &DevelopArgs) -> Result<(), CliError> {
     let needs = [("the image".to_owned(), header.film_bytes), ("the decoded image".to_owned(), transient)];
     memory::check(args.memory.limit(), input.name(), &needs)?;
     let film = input.read()?;
-    let transparent = film.alpha().is_some() && format != ImageFormat::Jpeg;
-    image_file::check(&args.output, format, [film.width(), film.height()], transparent)?;
+    let is_transparent = film.alpha().is_some_and(|alpha| alpha.iter().any(|alpha| *alpha != 1.0));
+    if is_transparent && format == ImageFormat::Jpeg {
+        let file = args.output.display();
+        return usage(format!("{file}: an image with transparent pixels requires a .png file; choose another name"));
+    }
+    image_file::check(&args.output, format, [film.width(), film.height()], is_transparent)?;
     let output = OutputFile::prepare(&args.output, slice::from_ref(&args.image))?;
     output.write(|file| write_image(&film, &development, format, file))?;
     if output.is_stdout() {

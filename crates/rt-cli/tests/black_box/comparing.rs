@@ -231,3 +231,18 @@ fn negative_thresholds_of_errors_are_refused() {
     assert!(run.stdout.is_empty() && !place.path("map.png").exists());
     place.succeed("compare a.exr b.exr --metric psnr --threshold -1");
 }
+
+/// Regression: the alpha channel was left out of a JPEG without a word.
+#[test]
+fn transparent_images_are_not_developed_to_a_format_without_alpha() {
+    let place = Workplace::with_scene();
+    place.succeed("render scene.ron --background transparent -o clear.exr");
+    place.fails(
+        2,
+        "develop clear.exr -o clear.jpg",
+        "clear.jpg: an image with transparent pixels requires a .png file",
+    );
+    place.succeed("develop clear.exr -o clear.png");
+    place.succeed("render scene.ron -o opaque.exr");
+    place.succeed("develop opaque.exr -o opaque.jpg");
+}

@@ -372,6 +372,10 @@ fn foreign_requests_are_refused() {
     assert_eq!(get(&format!("{page}../Cargo.toml"), "Host: localhost\r\n"), 404);
     let local = "HTTP/1.1\r\nHost: localhost\r\n";
     assert_eq!(status(&format!("DELETE {page} {local}")), 405);
+    // A body would be taken for the next response.
+    let requests = format!("HEAD {page} {local}\r\nGET {page}none {local}Connection: TE, close\r\n\r\n");
+    let Answer { status: of_head, body: next, .. } = view.exchange(requests.as_bytes());
+    assert!(of_head == 405 && next.starts_with(b"HTTP/1.1 404 "), "{}", String::from_utf8_lossy(&next));
     assert_eq!(status(&format!("OPTIONS {page}camera {local}")), 405);
     assert_eq!(status(&format!("GET {page} {local}Cookie: {}\r\n", "a".repeat(9000))), 431);
     assert_eq!(status(&format!("GET {page}{} {local}", "a".repeat(9000))), 431);

@@ -54,6 +54,12 @@ impl<'a> MaterialLibrary<'a> {
         let (known, textures) = (BTreeMap::new(), ObjTextures::new(options));
         let mut library = Self { options, path, known, incomplete: false, used: HashMap::new(), textures };
         for (line, names) in statements {
+            if names.is_empty() {
+                library.incomplete = true;
+                let message = "`mtllib` names no material library; plain grey is used for its materials";
+                model.warn(format_args!("{}:{line}", path.display()), message);
+                continue;
+            }
             library.open_all(names, *line, model)?;
         }
         Ok(library)

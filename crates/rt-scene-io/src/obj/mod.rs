@@ -378,7 +378,7 @@ mod tests {
         fs::write(place("my lib.mtl"), "newmtl red\nKd 1 0 0\nmap_Kd missing.png\nKs 1\n").expect("written");
         fs::write(place("b.mtl"), "newmtl blue\nKd 0 0 1\nmap_Kd t.png\nnewmtl red\nKd 0 1 0\n").expect("written");
         image::RgbImage::new(2, 1).save(place("t.png")).expect("written");
-        let head = format!("mtllib my lib.mtl\nmtllib none.mtl b.mtl\n{SQUARE}");
+        let head = format!("mtllib my lib.mtl\nmtllib none.mtl b.mtl\nmtllib\n{SQUARE}");
         fs::write(place("m.obj"), head + "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n").expect("written");
 
         let model = load_model(&place("m.obj"), &LoadOptions::default()).expect("a model");
@@ -387,8 +387,9 @@ mod tests {
         assert!(matches!(&model.textures[0], Texture::Image { bitmap, .. } if bitmap.width == 2));
         let what = model.messages();
         assert_eq!(what[0], "the material library `none.mtl` does not exist; plain grey is used for its materials");
-        assert_eq!(what[1], "the image `missing.png` does not exist; the plain colour is used");
-        assert_eq!(what.len(), 2);
+        assert_eq!(what[1], "`mtllib` names no material library; plain grey is used for its materials");
+        assert_eq!(what[2], "the image `missing.png` does not exist; the plain colour is used");
+        assert_eq!(what.len(), 3);
     }
 
     /// Exporters write them for each material: warnings would hide the others.

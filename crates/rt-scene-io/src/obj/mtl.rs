@@ -68,6 +68,9 @@ pub(super) fn parse(text: &str) -> MtlFile {
         }
         match statement {
             Ok(statement) => {
+                if is_above_one(&statement) {
+                    warnings.push((line.number, format!("`{statement}` is clamped to 1")));
+                }
                 clean.push_str(&statement);
                 clean.push('\n');
             }
@@ -80,6 +83,13 @@ pub(super) fn parse(text: &str) -> MtlFile {
         Default::default()
     });
     MtlFile { materials, warnings, unknown }
+}
+
+/// True for a fraction above 1.
+fn is_above_one(statement: &str) -> bool {
+    let mut words = statement.split(' ');
+    let is_fraction = words.next().is_some_and(|keyword| matches!(keyword, "Kd" | "d" | "Tr" | "Pr" | "Pm"));
+    is_fraction && words.any(|word| word.parse::<f32>().is_ok_and(|number| number > 1.0))
 }
 
 /// The statement in the form that `tobj` reads.
@@ -170,6 +180,13 @@ mod tests {
             (3, "`bump -bm 1` has no file name of an image".to_owned()),
         ];
         assert_eq!(warnings, expected);
+    }
+
+    #[test]
+    fn fractions_above_1_were_clamped_without_a_word() {
+        let MtlFile { warnings, .. } = parse("newmtl a\nKd 1 2 0.5\nKe 9\nPr 1\nPm 3\nd 1.5\nNi 1.5\n");
+        let said = |line, statement: &str| (line, format!("`{statement}` is clamped to 1"));
+        assert_eq!(warnings, [said(2, "Kd 1 2 0.5"), said(5, "Pm 3"), said(6, "d 1.5")]);
     }
 
     #[test]

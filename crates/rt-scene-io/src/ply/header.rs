@@ -133,3 +133,38 @@ pub(super) fn left_out(header: &PlyHeader) -> Vec<String> {
     }
     sentences
 }
+
+/// Line of the first row of a text with another number of words than its element has, with a message. Words are read as they follow each
+/// other, so that all rows after it may be shifted.
+pub(super) fn irregular_row(header: &PlyHeader, bytes: &[u8]) -> Option<(usize, String)> {
+    if header.format != PlyFormat::Ascii {
+        return None;
+    }
+    let mut lines = (1..).zip(bytes.split(|byte| *byte == b'\n'));
+    lines.find(|(_, line)| line.trim_ascii() == b"end_header")?;
+    let mut rows = lines.filter(|(_, line)| !line.trim_ascii().is_empty());
+    for ElementDef { name, count, properties } in &header.elem_defs {
+        for (number, line) in rows.by_ref().take(*count) {
+            let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+            let total = words.clone().count();
+            let mut needed = 0_usize;
+            for property in properties {
+                needed += 1;
+                let word = words.next();
+                if let PropertyType::List { .. } = property.property_type {
+                    let length: usize = str::from_utf8(word?).ok()?.parse().ok()?;
+                    needed = length.saturating_add(needed);
+                    words.by_ref().take(length).for_each(|_| ());
+                }
+            }
+            if total != needed {
+                let unit = if total == 1 { "number" } else { "numbers" };
+                let message = format!(
+                    "this row has {total} {unit}, but one of `{name}` has {needed}; rows after it may be shifted"
+                );
+                return Some((number, message));
+            }
+        }
+    }
+    None
+}

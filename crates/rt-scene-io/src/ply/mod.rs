@@ -90,7 +90,7 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUv
     // The last byte is not the file's.
     header::check(&header, (rest.len() as u64).saturating_sub(1)).at(path, "")?;
     let mut rest = bytes.as_slice();
-    let content = read(&mut rest).map_err(|error| explain(&error, &bytes, rest, Some(header.format), path))?;
+    let content = read(&mut rest).map_err(|error| explain(&error, &bytes, rest, Some(&header), path))?;
     if header.format != PlyFormat::Ascii && rest.is_empty() {
         // The byte that is not the file's was read as one of its rows.
         let message = format!("the file ends too early (before byte {})", bytes.len() - 1);
@@ -110,6 +110,10 @@ pub(crate) fn load_bytes(mut bytes: Vec<u8>, path: &Path, missing_uvs: MissingUv
     for left_out in header::left_out(&header) {
         warn(left_out);
     }
+    if let Some((line, message)) = header::irregular_row(&header, &bytes) {
+        model.warn(format_args!("{}:{line}", path.display()), message);
+    }
+    let mut warn = |message: String| model.warn(path.display(), message);
     surplus.into_iter().for_each(&mut warn);
     if corners.short > 0 {
         warn(format!("faces with fewer than three corners were left out: {}", corners.short));
@@ -198,7 +202,8 @@ fn surplus(bytes: &[u8], rest: &[u8], format: PlyFormat) -> Option<String> {
 }
 
 /// Error at the position up to which the file was read: a line of text, or a byte.
-fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<PlyFormat>, path: &Path) -> LoadError {
+fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], header: Option<&PlyHeader>, path: &Path) -> LoadError {
+    let format = header.map(|header| header.format);
     // The last byte is not the file's.
     let read = &bytes[..(bytes.len() - rest.len()).min(bytes.len() - 1)];
     let message = match error.0.kind() {
@@ -213,7 +218,9 @@ fn explain(error: &DeserializeError, bytes: &[u8], rest: &[u8], format: Option<P
         // The end of the line of the last word may have been read with it.
         None | Some(PlyFormat::Ascii) => {
             let line = 1 + read.iter().rev().skip(1).filter(|byte| **byte == b'\n').count();
-            LoadErrorKind::Syntax(message).at(path, Location::Line(line))
+            let cause = header.and_then(|header| header::irregular_row(header, bytes)).filter(|row| row.0 < line);
+            let cause = cause.map_or_else(String::new, |(line, row)| format!("; line {line}: {row}"));
+            LoadErrorKind::Syntax(message + &cause).at(path, Location::Line(line))
         }
         Some(_) => LoadErrorKind::Syntax(format!("{message} (before byte {})", read.len())).at(path, ""),
     }

@@ -79,6 +79,27 @@ fn rows_of_a_ply_file_beyond_those_promised_are_warned_of() {
     assert_eq!(warnings_of("a.ply", &binary), ["a.ply: 7 bytes beyond the rows that the header declares are left out"]);
 }
 
+/// Regression: rows after one with a number too many or too few were shifted without a word, or only the last one was named.
+#[test]
+fn rows_of_a_ply_file_with_another_number_of_words_are_warned_of() {
+    let after = "rows after it may be shifted";
+    for (row, changed, line, counts) in [
+        ("\n3 0 1 2\n", "\n3 0 1 2 7\n", 13, "5 numbers, but one of `face` has 4"),
+        ("\n3 0 1 2\n", "\n\n3 0\n1 2\n", 14, "2 numbers, but one of `face` has 4"),
+    ] {
+        let warnings = warnings_of("a.ply", PLY.replacen(row, changed, 1));
+        assert_eq!(warnings[0], format!("a.ply:{line}: this row has {counts}; {after}"), "{changed}");
+    }
+    let short = PLY.replacen("\n1 0 0\n", "\n1\n", 1).replace("\n0 1 0\n", "\n0 0 0 1 0\n");
+    let warnings = warnings_of("a.ply", short);
+    assert_eq!(warnings, [format!("a.ply:11: this row has 1 number, but one of `vertex` has 3; {after}")]);
+    // The end of the file says little about the cause.
+    let long = PLY.replace("\n0 1 0\n", "\n0 1 0 9\n");
+    let error = loaded(&[("a.ply", long.as_bytes())]).expect_err("shifted").to_string();
+    let row = format!("; line 12: this row has 4 numbers, but one of `vertex` has 3; {after}");
+    assert!(error.ends_with(&row), "{error}");
+}
+
 const SPHERE: &str = "WorldBegin\nShape \"sphere\"\n";
 
 #[test]

@@ -95,7 +95,9 @@ impl Request {
                 "origin" => set_once(&mut origin, value()?)?,
                 "content-length" => set_once(&mut length, value()?)?,
                 "transfer-encoding" => return Err(Status::ENCODING),
-                "connection" => keeps_alive &= !value()?.eq_ignore_ascii_case("close"),
+                "connection" => {
+                    keeps_alive &= !value()?.split(',').any(|item| item.trim().eq_ignore_ascii_case("close"))
+                }
                 _ => {}
             }
         }
@@ -160,13 +162,15 @@ pub(super) struct Connection {
     stream: TcpStream,
     /// Bytes that have arrived and belong to no request so far.
     buffer: Vec<u8>,
+    /// True if the last request was HEAD, whose response has no body.
+    omits_body: bool,
 }
 
 impl Connection {
     pub(super) fn new(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(IDLE))?;
-        Ok(Self { stream, buffer: Vec::new() })
+        Ok(Self { stream, buffer: Vec::new(), omits_body: false })
     }
 
     /// Reads the next request. `None` if the client has closed the connection or sent nothing for a while.
@@ -175,6 +179,7 @@ impl Connection {
         loop {
             if let Some((request, length)) = Request::parse(&self.buffer)? {
                 self.buffer.drain(..length);
+                self.omits_body = request.method == "HEAD";
                 return Ok(Some(request));
             }
             let was_idle = self.buffer.is_empty();
@@ -229,6 +234,9 @@ impl Connection {
             disposition.unwrap_or_default()
         );
         self.stream.write_all(head.as_bytes())?;
+        if self.omits_body {
+            return Ok(());
+        }
         self.stream.write_all(body)?;
         self.stream.write_all(file)
     }
