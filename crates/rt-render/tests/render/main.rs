@@ -19,5 +19,5 @@ mod refusals;
 mod replaced_camera;
 mod shards;
 mod support;
-mod thin_panes;
+mod thin_dielectrics;
 mod unsampled_emitters;

@@ -108,11 +108,11 @@ fn their_rays_find_no_background_where_ambient_light_stands_for_it() {
     }
 }
 
-/// Shadow rays pass what stands before the lamp. Directions sampled by the surfaces below hit it.
+/// Shadow rays pass what stands before the emitter. Directions sampled by the surfaces below hit it.
 #[test]
-fn stretched_groups_without_shadow_hid_lamps_from_sampled_directions() {
+fn stretched_groups_without_shadow_hid_emitters_from_sampled_directions() {
     let shade = SceneNode { casts_shadow: false, ..node(sphere(0.0, 0.0, 0.0, 1.5), 2) };
-    let lamp = node(cuboid([-2.0, 2.6, -2.0], [2.0, 2.7, 2.0]), 3);
+    let emitter = node(cuboid([-2.0, 2.6, -2.0], [2.0, 2.7, 2.0]), 3);
     let at = |z: f64| Transform::translate(DVec3::new(0.0, 2.0, z));
     let flat = |z| at(z).compose(&Transform::scale(DVec3::new(1.0, 0.3, 1.0)).expect("regular"));
     let lit_by = |nodes: &[SceneNode]| {
@@ -128,9 +128,9 @@ fn stretched_groups_without_shadow_hid_lamps_from_sampled_directions() {
     };
     // Stretched spheres are not sampled, even if the group has the index of a light.
     let placed = |node: SceneNode, z| SceneNode { parent_from_local: flat(z), ..node };
-    let by_themselves = lit_by(&[lamp.clone(), placed(shade.clone(), 0.0), placed(shade.clone(), 900.0)]);
+    let by_themselves = lit_by(&[emitter.clone(), placed(shade.clone(), 0.0), placed(shade.clone(), 900.0)]);
     let instance = |z| placed(node(Content::Instance(GroupId(0)), 0), z);
-    let mut stretched = lit_by(&[lamp.clone(), instance(0.0), instance(900.0)]);
+    let mut stretched = lit_by(&[emitter.clone(), instance(0.0), instance(900.0)]);
     stretched.groups = vec![Group { name: "shade".into(), nodes: vec![shade.clone()] }];
     let off = difference(&film(&stretched), &film(&by_themselves));
     assert!(off < 1e-6, "the group differs by {off}");
