@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::io::Cursor;
 
-use image::ImageDecoder;
+use image::{ImageDecoder, ImageFormat};
 use rt_image::{Encoding, ExrParts, TexturePixels, decode_pixels, exr_parts, guess_format, image_decoder};
 use rt_shading::Bitmap;
 
@@ -60,7 +60,7 @@ struct OpenedImage<'a> {
 
 fn open(bytes: &[u8]) -> Result<OpenedImage<'_>, TextureError> {
     let damaged = |error: image::ImageError| TextureError::Damaged(error.to_string());
-    let format = guess_format(bytes).ok_or(TextureError::UnknownFormat)?;
+    let format = guess_format(bytes).filter(ImageFormat::reading_enabled).ok_or(TextureError::UnknownFormat)?;
     let mut source = Box::new(Cursor::new(bytes));
     // An EXR image is decoded in tiles or blocks of rows of the data window, whose sizes are taken from the header.
     let exr = exr_parts(&mut *source).map_err(|error| TextureError::Damaged(error.to_string()))?;
@@ -139,7 +139,7 @@ fn packed_png_bytes(bytes: &[u8]) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{DynamicImage, ImageFormat, Luma, Rgb, RgbImage};
+    use image::{DynamicImage, Luma, Rgb, RgbImage};
 
     fn encode(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -186,7 +186,9 @@ mod tests {
         for length in 0..whole.len() - 12 {
             assert!(decode_texture(&whole[..length]).is_err(), "{length} of {} bytes", whole.len());
         }
-        assert!(matches!(decode_texture(b"not an image"), Err(TextureError::UnknownFormat)));
+        for other in [&b"not an image"[..], b"BM", b"GIF89a", b"II*\0"] {
+            assert!(matches!(decode_texture(other), Err(TextureError::UnknownFormat)), "{other:?}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum TextureError {
     /// The bytes are no PNG, JPEG, HDR or EXR image.
-    #[error("is not a PNG, JPEG, HDR or EXR image")]
+    #[error("is not a PNG, JPEG, HDR or EXR image; convert it to one of these formats")]
     UnknownFormat,
     /// The image is damaged, or uses a part of its format that is not supported.
     #[error("cannot be decoded: {0}")]

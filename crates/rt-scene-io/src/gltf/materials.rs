@@ -115,6 +115,15 @@ impl MaterialBuilder<'_, '_> {
     }
 
     fn material(&mut self, name: &str, description: &MaterialJson) -> Result<NamedMaterial, LoadError> {
+        let pbr = &description.pbr_metallic_roughness;
+        let factors: [(&str, &[f32]); 3] = [
+            ("baseColorFactor", &pbr.base_color_factor),
+            ("metallicFactor", &[pbr.metallic_factor]),
+            ("roughnessFactor", &[pbr.roughness_factor]),
+        ];
+        for (name, _) in factors.iter().filter(|(_, of)| of.iter().any(|factor| !(0.0..=1.0).contains(factor))) {
+            self.warn(&format!("its `{name}` is not between 0 and 1: it is clamped"));
+        }
         let emission_sides = if description.double_sided { EmissionSides::Both } else { EmissionSides::Front };
         if description.extensions.unlit.is_some() {
             let emission = self.base_color(description)?;

@@ -89,6 +89,16 @@ fn primitives_become_nodes_with_their_materials() {
     assert_eq!(model.materials[1].to_phong().diffuse, ColorTexture::Constant(Rgb::new(1.0, 0.0, 0.0)));
 }
 
+#[test]
+fn factors_out_of_range_were_clamped_without_a_word() {
+    let mesh = r#"{"attributes": {"POSITION": 0}, "mode": 5, "material": 0}"#;
+    let rest = r#""nodes": [{"mesh": 0}], "materials": [{"name": "m", "pbrMetallicRoughness":
+        {"baseColorFactor": [2, 0, 0, 1], "metallicFactor": 1, "roughnessFactor": -5}}]"#;
+    let model = load_with(mesh, rest).expect("a model");
+    let clamped = |name: &str| format!("its `{name}` is not between 0 and 1: it is clamped");
+    assert_eq!(model.messages(), [clamped("baseColorFactor"), clamped("roughnessFactor")]);
+}
+
 /// Data URI of a red image.
 fn red_png() -> String {
     let mut png = std::io::Cursor::new(Vec::new());
