@@ -32,5 +32,20 @@ pub(super) fn run(folder: Option<&Path>) -> Result<(), CliError> {
 fn page(name: &str, command: &Command) -> io::Result<Vec<u8>> {
     let mut page = Vec::new();
     Man::new(command.clone().display_name(name.to_owned())).render(&mut page)?;
-    Ok(page)
+    Ok(if command.has_subcommands() { with_usage(command, &page) } else { page })
+}
+
+/// The page of a program whose usage is a text of its own, which the generator passes over.
+fn with_usage(command: &Command, page: &[u8]) -> Vec<u8> {
+    let usage = command.clone().render_usage().to_string();
+    let forms = usage.trim_start_matches("Usage:").lines().map(|line| line.trim().replace('-', "\\-"));
+    let synopsis = forms.collect::<Vec<_>>().join("\n.br\n");
+    let text = String::from_utf8_lossy(page);
+    let mut is_synopsis = false;
+    let lines = text.lines().map(|line| {
+        let shown = if is_synopsis { &synopsis } else { line };
+        is_synopsis = line == ".SH SYNOPSIS";
+        format!("{shown}\n")
+    });
+    lines.collect::<String>().into_bytes()
 }

@@ -81,4 +81,5 @@ fn every_command_has_a_manual_page() {
         assert!(text.contains(&format!(".TH rt-cli{page} 1")), "{text}");
         assert!(all.contains(&text), "{page}");
     }
+    assert!(all.contains("\n.SH SYNOPSIS\nrt\\-cli SCENE [OPTIONS]\n.br\nrt\\-cli COMMAND ...\n.br\n"), "{all}");
 }
