@@ -1,11 +1,15 @@
 //! Reconstruction filters, sampled by importance.
 
 use rt_math::{
-    DVec2,
+    DVec2, Float64,
     transcendental::{exp, log, sincos},
 };
 
-use crate::mitchell;
+use crate::{
+    float_lanes::{FloatLanes, LANES},
+    mitchell,
+    simd::vectorize,
+};
 
 /// A Gaussian is cut at this many standard deviations.
 const GAUSSIAN_CUT: f64 = 3.0;
@@ -74,18 +78,52 @@ impl Filter {
         match self {
             Self::Box => (DVec2::from_array(u) - 0.5, 1.0),
             Self::Tent => (DVec2::from_array(u.map(sample_triangle)), 1.0),
-            Self::Gaussian { sigma } => {
-                // The radius of a two-dimensional normal distribution has a closed inverse (Box and Muller 1958).
-                let radius = sigma * (-2.0 * log(1.0 - u[0] * GAUSSIAN_MASS)).sqrt();
-                let (sin, cos) = sincos(core::f64::consts::TAU * u[1]);
-                (DVec2::new(cos, sin) * radius, 1.0)
-            }
+            Self::Gaussian { sigma } => (DVec2::from_array(sample_gaussian(sigma, u)), 1.0),
             Self::Mitchell => {
                 let ([x, x_weight], [y, y_weight]) = (mitchell::sample(u[0]), mitchell::sample(u[1]));
                 (DVec2::new(x, y), x_weight * y_weight)
             }
         }
     }
+
+    /// Version of [`sample`](Self::sample) for many points of the unit square, which become offsets, with the same bits. Appends the
+    /// weights.
+    pub fn sample_all(self, points: &mut [[f64; 2]], weights: &mut Vec<f64>) {
+        if let Self::Gaussian { sigma } = self
+            && points.len() >= LANES / 2
+        {
+            weights.resize(weights.len() + points.len(), 1.0);
+            vectorize(
+                #[inline(always)]
+                || {
+                    for points in points.chunks_mut(LANES) {
+                        let mut lanes = [FloatLanes([0.0; LANES]); 2];
+                        for (lane, point) in points.iter().enumerate() {
+                            (lanes[0].0[lane], lanes[1].0[lane]) = (point[0], point[1]);
+                        }
+                        let [x, y] = sample_gaussian(sigma, lanes);
+                        for ((point, x), y) in points.iter_mut().zip(x.0).zip(y.0) {
+                            *point = [x, y];
+                        }
+                    }
+                },
+            );
+            return;
+        }
+        for point in points {
+            let (offset, weight) = self.sample(*point);
+            *point = offset.to_array();
+            weights.push(weight);
+        }
+    }
+}
+
+/// The radius of a two-dimensional normal distribution has a closed inverse (Box and Muller 1958).
+#[inline(always)]
+fn sample_gaussian<R: Float64>(sigma: f64, [u, v]: [R; 2]) -> [R; 2] {
+    let radius = (log(-(u * GAUSSIAN_MASS - 1.0)) * -2.0).sqrt() * sigma;
+    let (sin, cos) = sincos(v * core::f64::consts::TAU);
+    [cos * radius, sin * radius]
 }
 
 /// Inverts the cumulative distribution of `1 − |x|` on [−1, 1].
@@ -100,6 +138,25 @@ mod tests {
 
     const FILTERS: [Filter; 5] =
         [Filter::Box, Filter::Tent, Filter::Gaussian { sigma: 0.5 }, Filter::Gaussian { sigma: 2.0 }, Filter::Mitchell];
+
+    #[test]
+    fn many_samples_have_the_bits_of_single_ones() {
+        for filter in FILTERS {
+            for count in [0, 1, 3, 4, 8, 21] {
+                let number = |index, dimension| unit(hash(&[index, dimension]));
+                let mut points: Vec<[f64; 2]> = (0..count).map(|index| [number(index, 0), number(index, 1)]).collect();
+                points.iter_mut().take(1).for_each(|point| *point = [0.0; 2]);
+                let single: Vec<_> = points.iter().map(|point| filter.sample(*point)).collect();
+                let mut weights = vec![7.0];
+                filter.sample_all(&mut points, &mut weights);
+                assert_eq!(weights.len(), points.len() + 1);
+                for ((point, weight), (offset, of_single)) in points.iter().zip(&weights[1..]).zip(single) {
+                    assert_eq!(point.map(f64::to_bits), offset.to_array().map(f64::to_bits), "{filter:?}");
+                    assert_eq!(*weight, of_single);
+                }
+            }
+        }
+    }
 
     /// Integral over a square by the midpoint rule.
     fn integrate(f: impl Fn(DVec2) -> f64, corner: DVec2, side: f64, steps: u32) -> f64 {

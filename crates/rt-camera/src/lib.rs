@@ -65,6 +65,7 @@ mod camera;
 mod camera_error;
 mod film_settings;
 mod filter;
+mod float_lanes;
 mod halton;
 mod lens;
 mod mitchell;

@@ -136,11 +136,7 @@ impl RenderPlan<'_> {
         if !self.integrator.uses_samplers() {
             samplers.clear();
         }
-        for position in positions.iter_mut() {
-            let (offset, weight) = self.frame.filter.sample(*position);
-            *position = offset.to_array();
-            weights.push(weight);
-        }
+        self.frame.filter.sample_all(positions, weights);
         if self.frame.camera.moves() {
             for ((&offset, &on_lens), &time) in positions.iter().zip(&*on_lens).zip(&*times) {
                 let time = self.frame.camera.shutter_time(time);
