@@ -63,7 +63,6 @@ pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), LoadErrorKind> {
 }
 
 /// Replaces the line ends of old Macintosh systems in a text.
-#[cfg(any(feature = "ply", feature = "stl"))]
 pub(crate) fn unify_line_ends(text: &mut [u8]) {
     if !text.contains(&b'\n') {
         text.iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
@@ -78,9 +77,10 @@ pub fn read_text(path: &Path, options: &LoadOptions) -> Result<String, LoadError
     decode_text(read_file(path, options)?)
 }
 
-/// Decodes UTF-8 text, without its byte order mark.
-pub(crate) fn decode_text(bytes: Vec<u8>) -> Result<String, LoadErrorKind> {
+/// Decodes UTF-8 text, without its byte order mark, and with line feeds as line ends if it has carriage returns only.
+pub(crate) fn decode_text(mut bytes: Vec<u8>) -> Result<String, LoadErrorKind> {
     refuse_utf16(&bytes)?;
+    unify_line_ends(&mut bytes);
     let text = String::from_utf8(bytes).map_err(|e| LoadErrorKind::NotUtf8(e.utf8_error().valid_up_to()))?;
     match text.strip_prefix('\u{feff}') {
         Some("") => Err(LoadErrorKind::Empty),

@@ -100,6 +100,15 @@ fn rows_of_a_ply_file_with_another_number_of_words_are_warned_of() {
     assert!(error.ends_with(&row), "{error}");
 }
 
+/// Regression: the comment included all that follows.
+#[test]
+fn a_comment_ends_where_lines_end_by_carriage_returns() {
+    let pbrt = "WorldBegin\r# a sphere\rShape \"sphere\"\r";
+    assert_eq!(loaded(&[("a.pbrt", pbrt.as_bytes())]).expect("a scene").nodes.len(), 1);
+    let ron = "(// nodes\r nodes: [(shape: sphere())],\r)\r";
+    assert_eq!(loaded(&[("a.ron", ron.as_bytes())]).expect("a scene").nodes.len(), 1);
+}
+
 const SPHERE: &str = "WorldBegin\nShape \"sphere\"\n";
 
 #[test]
