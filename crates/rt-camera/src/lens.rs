@@ -189,6 +189,19 @@ mod tests {
     }
 
     #[test]
+    fn stored_corners_have_the_points_of_computed_ones() {
+        for blades in [None, Some(3), Some(5), Some(16), Some(17), Some(u32::MAX)] {
+            let lens = lens(blades);
+            let aperture = Aperture::new(lens);
+            let ends = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.5], [0.999_999_999_999, 1.0]];
+            for on_square in ends.into_iter().chain((0..200).map(square)) {
+                let bits = |point: DVec2| point.to_array().map(f64::to_bits);
+                assert_eq!(bits(aperture.point(on_square)), bits(lens.point(on_square)), "{blades:?}, {on_square:?}");
+            }
+        }
+    }
+
+    #[test]
     fn points_are_uniform_by_area() {
         for blades in [None, Some(3), Some(4), Some(5), Some(6), Some(9)] {
             let z = chi_square(&lens(blades));

@@ -289,6 +289,26 @@ mod tests {
     }
 
     #[test]
+    fn all_integers_wrap_into_the_row() {
+        for length in [1_u32, 2, 3, 640, u32::MAX] {
+            let n = i128::from(length);
+            for i in [i64::MIN, i64::MIN + 1, -641, -3, -1, 0, 1, 640, 1281, i64::from(length), i64::MAX - 1, i64::MAX]
+            {
+                let wide = i128::from(i);
+                let mirrored = wide.rem_euclid(2 * n);
+                let expected = [
+                    (Wrap::Repeat, wide.rem_euclid(n)),
+                    (Wrap::Clamp, wide.clamp(0, n - 1)),
+                    (Wrap::Mirror, if mirrored < n { mirrored } else { 2 * n - 1 - mirrored }),
+                ];
+                for (wrap, index) in expected {
+                    assert_eq!(i128::from(wrap.index(i, length)), index, "{wrap:?} of {i} in {length}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn coordinates_outside_wrap() {
         assert_eq!(at(&image(Wrap::Repeat, false), 1.25, -0.25), 1.0);
         assert_eq!(at(&image(Wrap::Clamp, false), 1.75, -3.0), 4.0);
