@@ -175,6 +175,7 @@ impl Connection {
 
     /// Reads the next request. `None` if the client has closed the connection or sent nothing for a while.
     pub(super) fn read(&mut self) -> Result<Option<Request>, Status> {
+        self.omits_body = false;
         let mut deadline = Instant::now() + if self.buffer.is_empty() { IDLE } else { ARRIVAL };
         loop {
             if let Some((request, length)) = Request::parse(&self.buffer)? {
